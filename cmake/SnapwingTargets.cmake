@@ -1,0 +1,39 @@
+# Helpers that keep each floor's CMakeLists.txt to its sources and what it stands on.
+include(GoogleTest)
+
+set(SNAPWING_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+if(SNAPWING_WERROR)
+  list(APPEND SNAPWING_WARNINGS -Werror)
+endif()
+
+function(snapwing_compile_settings target)
+  target_compile_options(${target} PRIVATE ${SNAPWING_WARNINGS})
+  if(SNAPWING_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${SNAPWING_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PRIVATE -fsanitize=${SNAPWING_SANITIZE})
+  endif()
+endfunction()
+
+# snapwing_add_floor(<floor> SOURCES a.cpp ... STANDS_ON <target> ...)
+function(snapwing_add_floor floor)
+  cmake_parse_arguments(ARG "" "" "SOURCES;STANDS_ON" ${ARGN})
+  add_library(snapwing_${floor} SHARED ${ARG_SOURCES})
+  target_include_directories(snapwing_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(snapwing_${floor} PUBLIC ${ARG_STANDS_ON})
+  snapwing_compile_settings(snapwing_${floor})
+  set_property(GLOBAL APPEND PROPERTY SNAPWING_LIBRARIES snapwing_${floor})
+endfunction()
+
+# snapwing_add_gtest(<name> SOURCES a.cpp ... LINKS <target> ...): every case becomes one ctest test.
+# The tests find shipped files through SNAPWING_SOURCE_DIR.
+function(snapwing_add_gtest name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest GTest::gtest_main)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
+  target_compile_definitions(${name} PRIVATE SNAPWING_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             SNAPWING_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  snapwing_compile_settings(${name})
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,19 @@
+#pragma once
+/// Hashes and versions that tie a result to its inputs.
+
+#include <string>
+
+namespace snapwing::common {
+
+/// SHA-256 of bytes, as 64 hexadecimal digits.
+std::string sha256(const std::string& bytes);
+/// SHA-256 of a file's bytes. @throws FileError
+std::string sha256OfFile(const std::string& path);
+/// snapwing's version, e.g. "0.1.0".
+std::string version();
+/// Whole file as bytes. @throws FileError
+std::string readFile(const std::string& path);
+/// Replaces a file in one step: readers see the old or the new bytes, never a part. @throws FileError
+void writeFileAtomically(const std::string& path, const std::string& bytes);
+
+}  // namespace snapwing::common

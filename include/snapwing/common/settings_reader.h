@@ -1,0 +1,88 @@
+#pragma once
+/// Strict reading of YAML settings: every key must be known, present, of the right type, with the expected unit and
+/// within its range. Reading a map ends with finish(), which refuses whatever was not asked for.
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace YAML {
+class Node;
+}
+
+namespace snapwing::common {
+
+/// A number that is not known exactly: uniformly uncertain within value +- plus_minus, both in SI.
+struct Quantity {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double plus_minus = 0.0;
+  double low() const { return value - plus_minus; }
+  double high() const { return value + plus_minus; }
+};
+
+/// Closed range of allowed values, in the unit of the key.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+};
+
+/// Reads one YAML map strictly. Sub-maps are readers of their own that share the file's name.
+class SettingsReader {
+ public:
+  /// @throws FileError if the file cannot be read or is no YAML map
+  static SettingsReader fromFile(const std::string& path);
+  /// @param where  name used in messages in place of a file name
+  static SettingsReader fromText(const std::string& text, const std::string& where);
+
+  SettingsReader(SettingsReader&&) noexcept;
+  SettingsReader& operator=(SettingsReader&&) noexcept;
+  ~SettingsReader();
+
+  bool has(const std::string& key) const;
+  /// Sub-map. @throws SettingError if missing or no map
+  SettingsReader map(const std::string& key);
+  /// Sequence of maps; `key` becomes key[0], key[1] ... in messages.
+  std::vector<SettingsReader> list(const std::string& key);
+  /// Keys of this map in the file's order (for maps with names chosen by the user).
+  std::vector<std::string> keys() const;
+
+  /// Plain number. @throws SettingError if missing, no number, not finite or out of range
+  double number(const std::string& key, const Range& range, const std::string& unit);
+  double numberOr(const std::string& key, double fallback, const Range& range, const std::string& unit);
+  int integer(const std::string& key, int low, int high);
+  int integerOr(const std::string& key, int fallback, int low, int high);
+  bool boolean(const std::string& key);
+  bool booleanOr(const std::string& key, bool fallback);
+  std::string text(const std::string& key);
+  std::string textOr(const std::string& key, const std::string& fallback);
+  /// One of a few words. @throws SettingError that lists them
+  std::string choice(const std::string& key, const std::vector<std::string>& allowed);
+  std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range, const std::string& unit);
+
+  /// A number with its origin: `{value: , unit: , plus_minus: , source: }`. The unit must be the expected one,
+  /// `source` must be there and not empty; plus_minus may be left out (0) and value +- plus_minus must stay in range.
+  Quantity quantity(const std::string& key, const std::string& unit, const Range& range);
+
+  /// @throws SettingError naming the first key that nobody asked for, and the keys that are known here
+  void finish() const;
+
+  /// File that is being read, for messages and for paths relative to it.
+  const std::string& where() const;
+  /// `path` as written if absolute, else relative to the folder of the file.
+  std::string resolvePath(const std::string& path) const;
+  /// Full dotted key of `key` in this map.
+  std::string fullKey(const std::string& key) const;
+  /// Throws a SettingError for `key` of this map: for checks that span several keys.
+  [[noreturn]] void fail(const std::string& key, const std::string& value, const std::string& allowed) const;
+
+ private:
+  SettingsReader(const YAML::Node& node, std::string where, std::string prefix);
+  YAML::Node child(const std::string& key, const std::string& allowed);
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace snapwing::common

@@ -1,0 +1,5 @@
+from distutils.core import setup
+
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(**generate_distutils_setup(packages=["snapwing_tools"], package_dir={"": "python"}))
