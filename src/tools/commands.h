@@ -1,0 +1,15 @@
+#pragma once
+/// Subcommands of the `snapwing` command line. Each adds itself to the app; a callback sets exit_code to 1 for an
+/// honest negative outcome (refused, not converged) and throws common::Error for bad input.
+
+namespace CLI {
+class App;
+}
+
+namespace snapwing::tools {
+
+void addCurveCommand(CLI::App& app, int& exit_code);
+void addPredictCommand(CLI::App& app, int& exit_code);
+void addPlanCommand(CLI::App& app, int& exit_code);
+
+}  // namespace snapwing::tools
