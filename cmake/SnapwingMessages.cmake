@@ -8,7 +8,7 @@ file(GLOB snapwing_actions RELATIVE ${PROJECT_SOURCE_DIR}/action CONFIGURE_DEPEN
 add_message_files(FILES ${snapwing_msgs})
 add_service_files(FILES ${snapwing_srvs})
 add_action_files(FILES ${snapwing_actions})
-generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs std_msgs)
 catkin_python_setup()
+generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs std_msgs)
 catkin_package(INCLUDE_DIRS include LIBRARIES snapwing_common snapwing_rom snapwing_planning
                CATKIN_DEPENDS message_runtime ${SNAPWING_CATKIN})
