@@ -1,0 +1,246 @@
+// HDF5 layout: one 1-D dataset per array with the attribute "unit", group "shapes" with flat arrays, and one string
+// attribute per provenance entry on the group "provenance".
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/force_table.h"
+
+namespace snapwing::common {
+
+namespace {
+
+constexpr int FORMAT_VERSION = 1;
+
+/// Closes an HDF5 handle; HDF5's own error printing stays off while it lives in this file.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& path, const std::string& what) : id_(id), close_(close) {
+    if (id_ < 0) throw FileError(path, "HDF5: cannot " + what);
+  }
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }  // NOLINT: a handle is meant to be used as the library's id
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+struct QuietErrors {
+  QuietErrors() {
+    H5Eget_auto2(H5E_DEFAULT, &function, &data);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, function, data); }
+  H5E_auto2_t function = nullptr;
+  void* data = nullptr;
+};
+
+void check(herr_t status, const std::string& path, const std::string& what) {
+  if (status < 0) throw FileError(path, "HDF5: cannot " + what);
+}
+
+void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "make a type");
+  check(H5Tset_size(type, text.size() + 1), path, "size a type");
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, path, "make a space");
+  Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, path,
+                   "make the attribute " + name);
+  check(H5Awrite(attribute, type, text.c_str()), path, "write the attribute " + name);
+}
+
+std::string readAttribute(hid_t object, const std::string& name, const std::string& path) {
+  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, path, "find the attribute " + name);
+  Handle type(H5Aget_type(attribute), H5Tclose, path, "read the type of " + name);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
+    throw FileError(path, "attribute " + name + " is no text");
+  }
+  std::string text(H5Tget_size(type), '\0');
+  check(H5Aread(attribute, type, text.data()), path, "read the attribute " + name);
+  return text.substr(0, text.find('\0'));
+}
+
+template <class T>
+hid_t memoryType();
+template <>
+hid_t memoryType<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+hid_t memoryType<int>() {
+  return H5T_NATIVE_INT;
+}
+
+template <class T>
+void writeArray(hid_t file, const std::string& name, const std::vector<T>& values, const std::string& unit,
+                const std::string& path) {
+  const hsize_t size = values.size();
+  Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, path, "make a space");
+  Handle settings(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, path, "make settings");
+  if (size > 1000) {
+    check(H5Pset_chunk(settings, 1, &size), path, "set chunks");
+    check(H5Pset_shuffle(settings), path, "set shuffling");
+    check(H5Pset_deflate(settings, 6), path, "set compression");
+  }
+  const hid_t type = memoryType<T>();
+  Handle set(H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, settings, H5P_DEFAULT), H5Dclose, path,
+             "make the dataset " + name);
+  if (size > 0) check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, "write " + name);
+  writeAttribute(set, "unit", unit, path);
+}
+
+template <class T>
+std::vector<T> readArray(hid_t file, const std::string& name, const std::string& unit, const std::string& path) {
+  Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, path, "find the dataset " + name);
+  const std::string found = readAttribute(set, "unit", path);
+  if (found != unit) throw FileError(path, "'" + name + "' is in '" + found + "'; allowed: '" + unit + "'");
+  Handle space(H5Dget_space(set), H5Sclose, path, "read the size of " + name);
+  const hssize_t size = H5Sget_simple_extent_npoints(space);
+  if (H5Sget_simple_extent_ndims(space) != 1 || size < 0) throw FileError(path, "'" + name + "' is no 1-D array");
+  std::vector<T> values(static_cast<std::size_t>(size));
+  if (size > 0) {
+    check(H5Dread(set, memoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, "read " + name);
+  }
+  return values;
+}
+
+using Loops = std::vector<std::vector<std::array<double, 2>>>;
+
+void append(const Loops& loops, std::vector<double>* flat) {
+  for (const auto& loop : loops) {
+    for (const auto& point : loop) flat->insert(flat->end(), point.begin(), point.end());
+  }
+}
+
+void writeShapes(hid_t file, const ArmShapes& shapes, const std::string& path) {
+  std::vector<int> sizes;
+  for (const auto& loop : shapes.rest) sizes.push_back(static_cast<int>(loop.size()));
+  std::vector<double> rest, moved;
+  append(shapes.rest, &rest);
+  for (const Loops& loops : shapes.moved) append(loops, &moved);
+  Handle group(H5Gcreate2(file, "shapes", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, path, "make a group");
+  writeArray(group, "loop_sizes", sizes, "1", path);
+  writeArray(group, "rest", rest, "m", path);
+  writeArray(group, "moved", moved, "m", path);
+}
+
+Loops takeLoops(const std::vector<int>& sizes, const double** next) {
+  Loops loops;
+  for (const int size : sizes) {
+    loops.emplace_back(size);
+    for (auto& point : loops.back()) {
+      point = {(*next)[0], (*next)[1]};
+      *next += 2;
+    }
+  }
+  return loops;
+}
+
+ArmShapes readShapes(hid_t file, std::size_t points, const std::string& path) {
+  Handle group(H5Gopen2(file, "shapes", H5P_DEFAULT), H5Gclose, path, "find the group shapes");
+  const auto sizes = readArray<int>(group, "loop_sizes", "1", path);
+  const auto rest = readArray<double>(group, "rest", "m", path);
+  const auto moved = readArray<double>(group, "moved", "m", path);
+  std::size_t total = 0;
+  for (const int size : sizes) {
+    if (size < 0) throw FileError(path, "shapes/loop_sizes holds a negative size");
+    total += 2 * static_cast<std::size_t>(size);
+  }
+  if (rest.size() != total || (!moved.empty() && moved.size() != total * points)) {
+    throw FileError(path, "the shapes' sizes do not fit together");
+  }
+  ArmShapes shapes;
+  const double* next = rest.data();
+  shapes.rest = takeLoops(sizes, &next);
+  next = moved.data();
+  for (std::size_t k = 0; k < points && !moved.empty(); ++k) shapes.moved.push_back(takeLoops(sizes, &next));
+  return shapes;
+}
+
+herr_t addName(hid_t, const char* name, const H5A_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->push_back(name);
+  return 0;
+}
+
+std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path) {
+  Handle group(H5Gopen2(file, "provenance", H5P_DEFAULT), H5Gclose, path, "find the group provenance");
+  std::vector<std::string> names;
+  check(H5Aiterate2(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, addName, &names), path, "list the provenance");
+  std::map<std::string, std::string> entries;
+  for (const std::string& name : names) entries[name] = readAttribute(group, name, path);
+  return entries;
+}
+
+void writeTable(const ForceTable& t, const std::string& part) {
+  Handle file(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, part, "create the file");
+  writeArray<int>(file, "format_version", {FORMAT_VERSION}, "1", part);
+  writeArray<int>(file, "arm_count", {t.arm_count}, "1", part);
+  writeArray(file, "travel", t.travel, "m", part);
+  writeArray(file, "force", t.force, "N", part);
+  writeArray(file, "stiffness", t.stiffness, "N/m", part);
+  writeArray(file, "energy", t.energy, "J", part);
+  writeArray(file, "rotation", t.rotation, "rad", part);
+  writeArray(file, "min_det_f", t.min_det_f, "1", part);
+  writeArray(file, "stable", t.stable, "1", part);
+  writeArray(file, "iterations", t.iterations, "1", part);
+  writeArray(file, "force_back", t.force_back, "N", part);
+  writeShapes(file, t.shapes, part);
+  Handle group(H5Gcreate2(file, "provenance", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, part, "make a group");
+  for (const auto& [name, text] : t.provenance) writeAttribute(group, name, text, part);
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), part, "flush the file");
+}
+
+}  // namespace
+
+void saveForceTable(const ForceTable& table, const std::string& path) {
+  table.validate();
+  QuietErrors quiet;
+  const std::string part = path + ".part" + std::to_string(::getpid());
+  try {
+    writeTable(table, part);
+  } catch (const FileError&) {
+    std::remove(part.c_str());
+    throw;
+  }
+  if (std::rename(part.c_str(), path.c_str()) != 0) {
+    std::remove(part.c_str());
+    throw FileError(path, "cannot be replaced");
+  }
+}
+
+ForceTable loadForceTable(const std::string& path) {
+  if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
+  QuietErrors quiet;
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open the file as HDF5");
+  const auto format = readArray<int>(file, "format_version", "1", path);
+  if (format != std::vector<int>{FORMAT_VERSION}) throw FileError(path, "format_version is not 1");
+  ForceTable t;
+  const auto arms = readArray<int>(file, "arm_count", "1", path);
+  if (arms.size() != 1) throw FileError(path, "arm_count is no single number");
+  t.arm_count = arms[0];
+  t.travel = readArray<double>(file, "travel", "m", path);
+  t.force = readArray<double>(file, "force", "N", path);
+  t.stiffness = readArray<double>(file, "stiffness", "N/m", path);
+  t.energy = readArray<double>(file, "energy", "J", path);
+  t.rotation = readArray<double>(file, "rotation", "rad", path);
+  t.min_det_f = readArray<double>(file, "min_det_f", "1", path);
+  t.stable = readArray<int>(file, "stable", "1", path);
+  t.iterations = readArray<int>(file, "iterations", "1", path);
+  t.force_back = readArray<double>(file, "force_back", "N", path);
+  t.shapes = readShapes(file, t.travel.size(), path);
+  t.provenance = readProvenance(file, path);
+  try {
+    t.validate();
+  } catch (const Error& e) {
+    throw FileError(path, e.what());
+  }
+  return t;
+}
+
+}  // namespace snapwing::common

@@ -1,0 +1,156 @@
+#include "snapwing/common/vehicle.h"
+
+#include "snapwing/common/provenance.h"
+
+namespace snapwing::common {
+
+namespace {
+
+// Ranges are those of anything that could fly with such a mechanism: wide enough for other vehicles, narrow enough
+// to catch a wrong unit (mm for m, MPa for Pa, grams for kg).
+const Range MASS{0.01, 50.0};
+const Range LENGTH{1e-4, 5.0};
+const Range SHARE{0.0, 1.0};
+
+Masses readMasses(SettingsReader reader) {
+  Masses m;
+  m.total = reader.quantity("total", "kg", MASS);
+  m.centre = reader.quantity("centre", "kg", MASS);
+  reader.finish();
+  if (m.centre.high() >= m.total.low()) {
+    reader.fail("centre", std::to_string(m.centre.high()) + " kg at most",
+                "less than the least total mass, " + std::to_string(m.total.low()) + " kg");
+  }
+  return m;
+}
+
+Geometry readGeometry(SettingsReader reader) {
+  Geometry g;
+  g.ring_radius = reader.quantity("ring_radius", "m", LENGTH).value;
+  g.ring_thickness = reader.quantity("ring_thickness", "m", LENGTH).value;
+  g.ring_width = reader.quantity("ring_width", "m", LENGTH).value;
+  g.housing_radius = reader.quantity("housing_radius", "m", LENGTH).value;
+  g.housing_height = reader.quantity("housing_height", "m", LENGTH).value;
+  g.axle_below_ring = reader.quantity("axle_below_ring", "m", {0.0, 1.0}).value;
+  g.rotor_radius = reader.quantity("rotor_radius", "m", LENGTH).value;
+  reader.finish();
+  if (g.housing_radius >= g.ring_radius) {
+    reader.fail("housing_radius", std::to_string(g.housing_radius) + " m", "less than ring_radius");
+  }
+  return g;
+}
+
+ArmSettings readArm(SettingsReader reader) {
+  ArmSettings a;
+  a.count = reader.integer("count", 1, 16);
+  a.domain_length = reader.quantity("domain_length", "m", LENGTH).value;
+  a.domain_height = reader.quantity("domain_height", "m", LENGTH).value;
+  a.leg_width = reader.quantity("leg_width", "m", {0.0, a.domain_length}).value;
+  a.bar_height = reader.quantity("bar_height", "m", {0.0, a.domain_height}).value;
+  a.leg_thickness = reader.quantity("leg_thickness", "m", LENGTH).value;
+  a.bar_thickness = reader.quantity("bar_thickness", "m", LENGTH).value;
+  a.pin_x = reader.quantity("pin_x", "m", {0.0, a.domain_length}).value;
+  a.pin_y = reader.quantity("pin_y", "m", {0.0, a.domain_height}).value;
+  a.clamp_y_low = reader.quantity("clamp_y_low", "m", {0.0, a.domain_height}).value;
+  a.clamp_y_high = reader.quantity("clamp_y_high", "m", {a.clamp_y_low, a.domain_height}).value;
+  a.force_scale = reader.quantity("force_scale", "1", {0.01, 100.0});
+  a.density_file = reader.resolvePath(reader.text("density_file"));
+  a.table_file = reader.resolvePath(reader.text("table_file"));
+  reader.finish();
+  return a;
+}
+
+Material readMaterial(SettingsReader reader) {
+  Material m;
+  m.youngs_modulus = reader.quantity("youngs_modulus", "Pa", {1e4, 1e12});
+  m.poisson_ratio = reader.quantity("poisson_ratio", "1", {0.0, 0.4999});
+  m.mass_density = reader.quantity("mass_density", "kg/m3", {10.0, 25e3});
+  reader.finish();
+  return m;
+}
+
+Rotors readRotors(SettingsReader reader) {
+  Rotors r;
+  r.count = reader.integer("count", 1, 32);
+  r.max_thrust = reader.quantity("max_thrust", "N", {0.01, 1000.0});
+  r.time_constant_up = reader.quantity("time_constant_up", "s", {1e-4, 5.0});
+  r.time_constant_down = reader.quantity("time_constant_down", "s", {1e-4, 5.0});
+  r.quadratic_share = reader.quantity("quadratic_share", "1", SHARE);
+  reader.finish();
+  return r;
+}
+
+Battery readBattery(SettingsReader reader) {
+  Battery b;
+  b.cells = reader.integer("cells", 1, 24);
+  b.capacity = reader.quantity("capacity", "A s", {1.0, 1e6});
+  b.voltage = reader.quantity("voltage", "V", {1.0, 120.0});
+  reader.finish();
+  return b;
+}
+
+Drag readDrag(SettingsReader reader) {
+  Drag d;
+  d.air_density = reader.quantity("air_density", "kg/m3", {0.1, 2.0});
+  d.ring_cda = reader.quantity("ring_cda", "m2", {0.0, 10.0});
+  d.centre_cda = reader.quantity("centre_cda", "m2", {0.0, 10.0});
+  reader.finish();
+  return d;
+}
+
+Boom readBoom(SettingsReader reader) {
+  Boom b;
+  b.length = reader.quantity("length", "m", {0.05, 20.0});
+  b.inertia = reader.quantity("inertia", "kg m2", {0.0, 1000.0});
+  b.cda = reader.quantity("cda", "m2", {0.0, 10.0});
+  b.friction = reader.quantity("friction", "N", {0.0, 100.0});
+  reader.finish();
+  return b;
+}
+
+Radio readRadio(SettingsReader reader) {
+  const Range pulse{885.0, 2115.0};
+  Radio r;
+  r.frame_rate = reader.quantity("frame_rate", "Hz", {20.0, 1000.0}).value;
+  r.latency = reader.quantity("latency", "s", {0.0, 1.0});
+  r.throttle_low = reader.quantity("throttle_low", "us", pulse).value;
+  r.throttle_high = reader.quantity("throttle_high", "us", pulse).value;
+  r.min_check = reader.quantity("min_check", "us", {r.throttle_low, r.throttle_high}).value;
+  r.motor_idle = reader.quantity("motor_idle", "us", pulse).value;
+  r.motor_full = reader.quantity("motor_full", "us", {r.motor_idle, pulse.high}).value;
+  reader.finish();
+  return r;
+}
+
+Limits readLimits(SettingsReader reader) {
+  Limits l;
+  l.travel_min = reader.quantity("travel_min", "m", {-1.0, 0.0}).value;
+  l.travel_max = reader.quantity("travel_max", "m", {0.0, 1.0}).value;
+  reader.finish();
+  return l;
+}
+
+}  // namespace
+
+Vehicle loadVehicle(const std::string& path) {
+  SettingsReader reader = SettingsReader::fromFile(path);
+  Vehicle v;
+  v.file = path;
+  v.sha256 = sha256OfFile(path);
+  v.name = reader.text("name");
+  v.masses = readMasses(reader.map("masses"));
+  v.geometry = readGeometry(reader.map("geometry"));
+  v.arm = readArm(reader.map("arm"));
+  v.material = readMaterial(reader.map("material"));
+  v.damping_ratio = reader.quantity("damping_ratio", "1", {0.0, 2.0});
+  v.rotors = readRotors(reader.map("rotors"));
+  v.battery = readBattery(reader.map("battery"));
+  v.drag = readDrag(reader.map("drag"));
+  v.boom = readBoom(reader.map("boom"));
+  v.radio = readRadio(reader.map("radio"));
+  v.limits = readLimits(reader.map("limits"));
+  reader.finish();
+  return v;
+}
+
+}  // namespace snapwing::common

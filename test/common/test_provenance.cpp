@@ -1,0 +1,38 @@
+#include "snapwing/common/provenance.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/mode.h"
+
+namespace snapwing::common {
+namespace {
+
+TEST(Provenance, Sha256OfTheStandardsExample) {
+  // FIPS 180-2, appendix B.1
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Provenance, FilesAreReplacedWhole) {
+  const std::string path = testing::TempDir() + "atomic.txt";
+  writeFileAtomically(path, "old");
+  writeFileAtomically(path, "new");
+  EXPECT_EQ(readFile(path), "new");
+  std::filesystem::remove(path);
+  EXPECT_THROW(readFile(path), FileError);
+  EXPECT_THROW(readFile(testing::TempDir()), FileError);
+  EXPECT_THROW(writeFileAtomically(testing::TempDir() + "no/such/folder/x", "bytes"), FileError);
+}
+
+TEST(Mode, NamesGoBothWays) {
+  EXPECT_EQ(modeFromName(modeName(Mode::FIXED_WING)), Mode::FIXED_WING);
+  EXPECT_EQ(modeFromName("QUADROTOR"), Mode::QUADROTOR);
+  EXPECT_EQ(otherMode(Mode::QUADROTOR), Mode::FIXED_WING);
+  EXPECT_THROW(modeFromName("hover"), Error);
+  EXPECT_THROW(otherMode(Mode::UNKNOWN), Error);
+}
+
+}  // namespace
+}  // namespace snapwing::common
