@@ -1,0 +1,105 @@
+#pragma once
+/// The simulated vehicle: its own true model, written independently of the reduced model that plans for it. Absolute
+/// positions of ring and centre, one lag per rotor, own interpolation of the table (cubic force), mechanical stops,
+/// the experimenter's hand; explicit fourth-order Runge-Kutta with a small fixed step.
+///   m_r z_r'' = T - D_r - friction + H - F(u) - c u' - m_r g      (H: hand, only when it holds)
+///   m_c z_c'' =     - D_c             + F(u) + c u' - m_c g       u = z_r - z_c
+
+#include <cstdint>
+#include <vector>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/mode.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/common/vehicle_parameters.h"
+
+namespace snapwing::dynamics {
+
+enum class PlantMount { FREE, BOOM, HELD };
+
+struct PlantSettings {
+  PlantMount mount = PlantMount::BOOM;
+  double gravity = 0;             ///< [m/s2] against the thrust axis; 0 for a boom that turns level
+  double step = 1e-4;             ///< [s] largest step, (0, 1e-3]
+  double stop_restitution = 0.3;  ///< [1] relative speed kept when u hits a mechanical stop, [0, 1]
+  /// Largest deceleration by which the hand brakes the boom: gentle in Q, whose hold on the centre is weak. [m/s2]
+  double hand_deceleration_q = 2.5;
+  double hand_deceleration_f = 20.0;
+  void validate() const;  ///< @throws common::Error naming the member
+};
+
+struct PlantState {
+  double time = 0;                   ///< [s]
+  double ring_position = 0;          ///< [m] along the thrust axis (arc length on a boom)
+  double ring_speed = 0;             ///< [m/s]
+  double centre_position = 0;        ///< [m]
+  double centre_speed = 0;           ///< [m/s]
+  std::vector<double> rotor_thrust;  ///< [N] each
+  double travel() const { return ring_position - centre_position; }
+  double travelRate() const { return ring_speed - centre_speed; }
+  double thrust() const;
+};
+
+class Plant {
+ public:
+  /// @param table  of one arm; parameters.force_scale and arm_count are applied here
+  /// @throws common::Error for bad settings, parameters or table
+  Plant(const common::Vehicle& vehicle, const common::ForceTable& table, const common::VehicleParameters& parameters,
+        const PlantSettings& settings = {});
+
+  /// Puts the vehicle at rest in an equilibrium, motors off, hand off, the clock as it is. @throws common::Error for
+  /// UNKNOWN or a table that is not bistable
+  void reset(common::Mode mode);
+
+  /// Motor outputs [0, 1], one per rotor, valid from the present time on. Values are clamped; NaN counts as 0.
+  void setMotorOutputs(const std::vector<double>& outputs);
+
+  /// Moves on to `time` [s]; earlier times do nothing. Motor outputs are held meanwhile.
+  void advanceTo(double time);
+
+  /// The experimenter takes the ring side: brakes it with bounded deceleration to rest and holds it there.
+  void grab();
+  void release();
+  bool held() const { return hand_; }
+  /// Held and standing still (|u'| and ring speed small).
+  bool atRest() const;
+
+  const PlantState& state() const { return state_; }
+  double ringAcceleration() const;    ///< [m/s2] at the present state
+  double centreAcceleration() const;  ///< [m/s2]
+  /// What an accelerometer on the centre reads along the thrust axis: z_c'' + g [m/s2]
+  double centreSpecificForce() const;
+  /// Which side of the barrier u is on, if the relative motion cannot leave it unloaded; else UNKNOWN.
+  common::Mode mode() const;
+  double armRotation() const;  ///< [rad]
+  const common::VehicleParameters& parameters() const { return parameters_; }
+
+ private:
+  struct Rates {
+    double ring = 0, centre = 0;  ///< accelerations [m/s2]
+  };
+  double armForce(double travel) const;
+  double armEnergy(double travel) const;
+  double handForce(double ring_speed, double other_force, double travel) const;
+  Rates accelerations(double ring_position, double ring_speed, double centre_position, double centre_speed,
+                      double thrust) const;
+  void stepOnce(double dt);
+  void hitStops();
+
+  common::VehicleParameters parameters_;
+  PlantSettings settings_;
+  common::ForceTable table_;
+  common::CurveFeatures features_;
+  double travel_min_, travel_max_;
+  double ring_mass_, ring_drag_, friction_;
+  std::vector<double> outputs_;
+  PlantState state_;
+  bool hand_ = false;
+};
+
+/// Parameters of one simulated vehicle, uniform in the uncertainty box of the vehicle file.
+/// @param seed  equal seeds give equal vehicles on every machine
+common::VehicleParameters drawParameters(const common::Vehicle& vehicle, const common::ForceTable& table,
+                                         std::uint64_t seed);
+
+}  // namespace snapwing::dynamics

@@ -1,0 +1,28 @@
+#pragma once
+/// What may flip the vehicle's mode against the pilot's will, and how far away it is.
+
+#include <string>
+#include <vector>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/rom/lumped_model.h"
+
+namespace snapwing::planning {
+
+/// One mishap; `limit` is where the mode flips, `occurs` what the vehicle meets.
+struct AccidentMargin {
+  std::string name;         ///< e.g. "sudden thrust in F"
+  std::string explanation;  ///< one sentence
+  common::Mode mode = common::Mode::UNKNOWN;
+  std::string unit;    ///< "N", "m/s", ...
+  double limit = 0;    ///< value at which the mode is lost; infinity = never within reach
+  double occurs = 0;   ///< value met in use (hover thrust, weight, ...); NaN = up to the pilot
+  bool holds = false;  ///< the mode survives what is met
+};
+
+/// Nominal parameters, free flight unless said: sudden thrust from idle in F, hover thrust cut in Q, cut while climbing
+/// in Q (speed), ring held upright in F, inverted and held in Q.
+std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table);
+
+}  // namespace snapwing::planning

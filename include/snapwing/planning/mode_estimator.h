@@ -1,0 +1,76 @@
+#pragma once
+/// Estimates travel and mode from what a vehicle really has: motor outputs read back from the flight controller and the
+/// accelerometer at the centre. Particle filter: each particle is a vehicle drawn from the uncertainty box with its own
+/// u, u', speed and thrust, moved by the lumped model and weighted by the specific force that it predicts,
+///   a = (F(u) + c u' - D_c) / m_c   (a Gaussian around the measurement).
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/mode.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/rom/lumped_model.h"
+#include "snapwing/rom/trial.h"
+
+namespace snapwing::planning {
+
+struct EstimatorSettings {
+  int particles = 400;
+  std::uint64_t seed = 7;            ///< equal seeds and inputs give equal estimates
+  double accelerometer_noise = 0.5;  ///< [m/s2] standard deviation, sensor and what the model lacks
+  double accelerometer_bias = 0.2;   ///< [m/s2] standard deviation of a constant offset, one per particle
+  double outlier_share = 0.01;       ///< [1] readings that say nothing (a wide floor under the weights)
+  double step = 2e-3;                ///< [s] of the particles' motion
+  double sure = 0.95;                ///< [1] probability from which a mode counts as known
+  rom::Mount mount = rom::Mount::BOOM;
+  double gravity = 0;  ///< [m/s2] against the thrust axis
+  /// [s] motor outputs come as read back, without the radio's latency
+  void validate() const;  ///< @throws common::Error naming the member
+};
+
+struct ModeEstimate {
+  double time = 0;
+  common::Mode mode = common::Mode::UNKNOWN;  ///< UNKNOWN unless one probability exceeds `sure`
+  double probability_fixed_wing = 0.5;
+  double probability_quadrotor = 0.5;
+  double travel = 0;            ///< [m] mean of u
+  double travel_deviation = 0;  ///< [m]
+  double effective_particles = 0;
+};
+
+class ModeEstimator {
+ public:
+  /// @throws common::Error for bad settings or a table that is not bistable
+  ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table,
+                const EstimatorSettings& settings = {});
+  ~ModeEstimator();
+  ModeEstimator(ModeEstimator&&) noexcept;
+
+  /// Starts afresh at rest. @param initial  F, Q, or UNKNOWN (half of the particles in each)
+  void reset(double time, common::Mode initial);
+
+  /// The vehicle was seen to stand still (hand holds the ring): the particles' speeds along the axis become 0.
+  void atRest(double time);
+
+  /// Mean motor output [0, 1] valid from `time` [s] on. Out-of-order times are ignored.
+  void motorOutput(double time, double output);
+  /// Commanded pulse instead, when no outputs are read back: applied with each particle's latency.
+  void commandedPulse(double time, const common::Pulse& pulse);
+
+  /// Specific force of the centre along the thrust axis [m/s2]; moves the particles to `time` and weighs them.
+  /// NaN is ignored.
+  void accelerometer(double time, double specific_force);
+
+  /// Moves the particles on without a measurement.
+  void predictTo(double time);
+
+  ModeEstimate estimate() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace snapwing::planning
