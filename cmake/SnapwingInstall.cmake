@@ -3,19 +3,24 @@ get_property(snapwing_libraries GLOBAL PROPERTY SNAPWING_LIBRARIES)
 get_property(snapwing_programs GLOBAL PROPERTY SNAPWING_PROGRAMS)
 
 if(SNAPWING_WITH_ROS)
+  set(snapwing_lib ${CATKIN_PACKAGE_LIB_DESTINATION})
   set(snapwing_bin ${CATKIN_PACKAGE_BIN_DESTINATION})
   set(snapwing_share ${CATKIN_PACKAGE_SHARE_DESTINATION})
 else()
+  set(snapwing_lib ${CMAKE_INSTALL_LIBDIR})
   set(snapwing_bin ${CMAKE_INSTALL_LIBDIR}/snapwing)
   set(snapwing_share ${CMAKE_INSTALL_DATADIR}/snapwing)
 endif()
 
 install(TARGETS ${snapwing_libraries} ${snapwing_programs}
-        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        LIBRARY DESTINATION ${snapwing_lib}
         RUNTIME DESTINATION ${snapwing_bin})
 install(DIRECTORY include/snapwing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY config data launch rviz lcm DESTINATION ${snapwing_share})
 if(SNAPWING_WITH_ROS)
-  catkin_install_python(PROGRAMS scripts/make_report scripts/record_run scripts/run_scenario
-                        DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  foreach(script make_report record_run run_scenario)
+    if(EXISTS ${PROJECT_SOURCE_DIR}/scripts/${script})
+      catkin_install_python(PROGRAMS scripts/${script} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+    endif()
+  endforeach()
 endif()
