@@ -16,8 +16,8 @@ constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
 
 void checkArray(const std::vector<double>& values, const char* name, std::size_t expected) {
   if (values.size() != expected) {
-    throw Error(std::string("force table: '") + name + "' has " + std::to_string(values.size()) + " entries, travel has " +
-                std::to_string(expected));
+    throw Error(std::string("force table: '") + name + "' has " + std::to_string(values.size()) +
+                " entries, travel has " + std::to_string(expected));
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) {
@@ -39,8 +39,8 @@ class ForceInterpolant {
            s * s * (3 - 2 * s) * t_.force[k + 1] + s * s * (s - 1) * h * t_.stiffness[k + 1];
   }
   double stiffness(std::size_t k, double s) const {
-    return 6 * s * (1 - s) * (t_.force[k + 1] - t_.force[k]) / width(k) +
-           (1 - s) * (1 - 3 * s) * t_.stiffness[k] + s * (3 * s - 2) * t_.stiffness[k + 1];
+    return 6 * s * (1 - s) * (t_.force[k + 1] - t_.force[k]) / width(k) + (1 - s) * (1 - 3 * s) * t_.stiffness[k] +
+           s * (3 * s - 2) * t_.stiffness[k + 1];
   }
   /// Energy relative to the knot's stored one: exact integral of the interpolated force.
   double energy(std::size_t k, double s) const {
@@ -114,7 +114,8 @@ void ForceTable::validate() const {
       {&energy, "energy"}, {&rotation, "rotation"}, {&min_det_f, "min_det_f"}};
   for (const auto& [array, name] : arrays) checkArray(*array, name, n);
   if (!force_back.empty()) checkArray(force_back, "force_back", n);
-  if (stable.size() != n || iterations.size() != n) throw Error("force table: 'stable' or 'iterations' has a wrong length");
+  if (stable.size() != n || iterations.size() != n)
+    throw Error("force table: 'stable' or 'iterations' has a wrong length");
   for (std::size_t i = 1; i < n; ++i) {
     if (travel[i] <= travel[i - 1]) throw Error("force table: travel does not increase at entry " + std::to_string(i));
   }

@@ -16,7 +16,8 @@ int run(int argc, char** argv) {
   CLI::App app{"snapwing: design, predict and plan mode switches of shape-changing drones"};
   app.set_version_flag("--version", snapwing::common::version());
   app.require_subcommand(1);
-  app.footer("Exit code: 0 good, 1 an honest negative outcome (refused, not converged), 2 bad input, 3 internal error.");
+  app.footer(
+      "Exit code: 0 good, 1 an honest negative outcome (refused, not converged), 2 bad input, 3 internal error.");
   int exit_code = 0;
   snapwing::tools::addCurveCommand(app, exit_code);
   snapwing::tools::addPredictCommand(app, exit_code);

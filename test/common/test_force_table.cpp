@@ -1,11 +1,10 @@
-#include "snapwing/common/force_table.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/force_table.h"
 #include "snapwing/common/provenance.h"
 
 namespace snapwing::common {

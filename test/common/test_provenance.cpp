@@ -1,11 +1,10 @@
-#include "snapwing/common/provenance.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/mode.h"
+#include "snapwing/common/provenance.h"
 
 namespace snapwing::common {
 namespace {

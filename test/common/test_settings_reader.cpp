@@ -1,8 +1,7 @@
-#include "snapwing/common/settings_reader.h"
-
 #include <gtest/gtest.h>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/settings_reader.h"
 
 namespace snapwing::common {
 namespace {
@@ -21,7 +20,8 @@ std::string messageOf(Action action) {
 }
 
 void expectParts(const std::string& message, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
+  for (const std::string& part : parts)
+    EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
 }
 
 TEST(SettingsReader, ReadsWhatIsThere) {

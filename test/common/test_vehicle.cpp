@@ -1,11 +1,10 @@
-#include "snapwing/common/vehicle.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/vehicle.h"
 
 namespace snapwing::common {
 namespace {

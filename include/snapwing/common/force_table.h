@@ -18,17 +18,17 @@ struct ArmShapes {
 
 /// Force of ONE arm against travel; all arrays have one entry per point, travel strictly increasing.
 struct ForceTable {
-  std::vector<double> travel;     ///< u [m]
-  std::vector<double> force;      ///< R(u) = dE/du [N], force that holds the housing at u
-  std::vector<double> stiffness;  ///< dR/du [N/m], from the tangent at the converged point
-  std::vector<double> energy;     ///< elastic energy E(u) [J]
-  std::vector<double> rotation;   ///< arm rotation [rad], positive as u grows
-  std::vector<double> min_det_f;  ///< smallest det F over all cells [1]
-  std::vector<int> stable;        ///< 1 if the constrained equilibrium is a minimum (no negative pivot)
-  std::vector<int> iterations;    ///< Newton iterations spent on the point
-  std::vector<double> force_back; ///< R on the way back [N], same travel; empty if not traced
-  ArmShapes shapes;               ///< may be empty
-  int arm_count = 1;              ///< arms of the vehicle; its force is arm_count * force
+  std::vector<double> travel;      ///< u [m]
+  std::vector<double> force;       ///< R(u) = dE/du [N], force that holds the housing at u
+  std::vector<double> stiffness;   ///< dR/du [N/m], from the tangent at the converged point
+  std::vector<double> energy;      ///< elastic energy E(u) [J]
+  std::vector<double> rotation;    ///< arm rotation [rad], positive as u grows
+  std::vector<double> min_det_f;   ///< smallest det F over all cells [1]
+  std::vector<int> stable;         ///< 1 if the constrained equilibrium is a minimum (no negative pivot)
+  std::vector<int> iterations;     ///< Newton iterations spent on the point
+  std::vector<double> force_back;  ///< R on the way back [N], same travel; empty if not traced
+  ArmShapes shapes;                ///< may be empty
+  int arm_count = 1;               ///< arms of the vehicle; its force is arm_count * force
   /// Where it came from: "rung", "kernel", "cell_size_m", "inputs_sha256", "snapwing_version", "command", ...
   std::map<std::string, std::string> provenance;
 

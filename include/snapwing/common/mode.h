@@ -7,9 +7,9 @@
 namespace snapwing::common {
 
 enum class Mode : std::uint8_t {
-  UNKNOWN = 0,      ///< not settled, or not known
-  FIXED_WING = 1,   ///< F: first equilibrium, u = 0, wings unfolded
-  QUADROTOR = 2,    ///< Q: second equilibrium, wings folded
+  UNKNOWN = 0,     ///< not settled, or not known
+  FIXED_WING = 1,  ///< F: first equilibrium, u = 0, wings unfolded
+  QUADROTOR = 2,   ///< Q: second equilibrium, wings folded
 };
 
 /// "F", "Q" or "unknown".

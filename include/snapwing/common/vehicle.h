@@ -34,11 +34,11 @@ struct ArmSettings {
   double bar_height = 0;     ///< y < bar_height is the bar; beyond the leg, material only there
   double leg_thickness = 0;
   double bar_thickness = 0;
-  double pin_x = 0, pin_y = 0;             ///< axle
+  double pin_x = 0, pin_y = 0;               ///< axle
   double clamp_y_low = 0, clamp_y_high = 0;  ///< the housing holds the face x = 0 between these heights
-  std::string density_file;                ///< absolute path of the shipped design's density [CSV]
-  std::string table_file;                  ///< absolute path of the computed force table [HDF5]
-  Quantity force_scale;                    ///< [1] real force / computed force (printing, material)
+  std::string density_file;                  ///< absolute path of the shipped design's density [CSV]
+  std::string table_file;                    ///< absolute path of the computed force table [HDF5]
+  Quantity force_scale;                      ///< [1] real force / computed force (printing, material)
 };
 
 struct Material {
@@ -57,8 +57,8 @@ struct Rotors {
 
 struct Battery {
   int cells = 0;
-  Quantity capacity;   ///< [A s]
-  Quantity voltage;    ///< [V] under load
+  Quantity capacity;  ///< [A s]
+  Quantity voltage;   ///< [V] under load
 };
 
 struct Drag {
@@ -68,26 +68,26 @@ struct Drag {
 };
 
 struct Boom {
-  Quantity length;         ///< [m] axis to vehicle
-  Quantity inertia;        ///< [kg m2] of the boom alone about its axis
-  Quantity cda;            ///< [m2] drag area of the boom, referred to the tip speed
-  Quantity friction;       ///< [N] Coulomb friction referred to the tip
+  Quantity length;    ///< [m] axis to vehicle
+  Quantity inertia;   ///< [kg m2] of the boom alone about its axis
+  Quantity cda;       ///< [m2] drag area of the boom, referred to the tip speed
+  Quantity friction;  ///< [N] Coulomb friction referred to the tip
 };
 
 /// The way of a command to the motors: radio, flight controller's scaling and the time it takes.
 struct Radio {
-  double frame_rate = 0;       ///< [Hz]
-  Quantity latency;            ///< [s] command issued -> motor output changed
-  double throttle_low = 0;     ///< [us] stick low
-  double throttle_high = 0;    ///< [us] stick full
-  double min_check = 0;        ///< [us] below: motors at idle
-  double motor_idle = 0;       ///< [us] motor output when armed and throttle low
-  double motor_full = 0;       ///< [us]
+  double frame_rate = 0;     ///< [Hz]
+  Quantity latency;          ///< [s] command issued -> motor output changed
+  double throttle_low = 0;   ///< [us] stick low
+  double throttle_high = 0;  ///< [us] stick full
+  double min_check = 0;      ///< [us] below: motors at idle
+  double motor_idle = 0;     ///< [us] motor output when armed and throttle low
+  double motor_full = 0;     ///< [us]
 };
 
 struct Limits {
-  double travel_min = 0;   ///< [m] mechanical stop upward (negative)
-  double travel_max = 0;   ///< [m] mechanical stop, or end of what was computed
+  double travel_min = 0;  ///< [m] mechanical stop upward (negative)
+  double travel_max = 0;  ///< [m] mechanical stop, or end of what was computed
 };
 
 struct Vehicle {
