@@ -18,6 +18,9 @@ double throttleMicroseconds(const Radio& radio, double throttle);
 /// min_check, linear above (facts: 1100/1300/1500/1700/2000 us -> 1118/1314/1509/1706/1999).
 double motorOutput(const Radio& radio, double throttle);
 
+/// Motor output in microseconds, as the flight controller reports it -> s in [0,1]: throttle_low us is 0, motor_full 1.
+double motorOutputFromMicroseconds(const Radio& radio, double microseconds);
+
 /// Motor output s in [0,1] -> share of the full thrust, q s^2 + (1-q) s.
 double thrustFraction(double quadratic_share, double motor_output);
 

@@ -1,0 +1,57 @@
+#include "snapwing/common/pulse.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::common {
+
+namespace {
+void requireShare(const char* name, double value) {
+  if (!(value >= 0.0 && value <= 1.0)) {
+    throw Error(std::string(name) + " is " + std::to_string(value) + "; allowed: 0 .. 1");
+  }
+}
+}  // namespace
+
+double throttleMicroseconds(const Radio& radio, double throttle) {
+  requireShare("throttle", throttle);
+  return radio.throttle_low + throttle * (radio.throttle_high - radio.throttle_low);
+}
+
+double motorOutputFromMicroseconds(const Radio& radio, double microseconds) {
+  if (!std::isfinite(microseconds)) throw Error("motor output is not finite; allowed: microseconds");
+  return std::clamp((microseconds - radio.throttle_low) / (radio.motor_full - radio.throttle_low), 0.0, 1.0);
+}
+
+double motorOutput(const Radio& radio, double throttle) {
+  const double stick = throttleMicroseconds(radio, throttle);
+  const double above = (stick - radio.min_check) / (radio.throttle_high - radio.min_check);
+  const double out = radio.motor_idle + std::max(0.0, above) * (radio.motor_full - radio.motor_idle);
+  return motorOutputFromMicroseconds(radio, out);
+}
+
+double thrustFraction(double quadratic_share, double motor_output) {
+  requireShare("motor output", motor_output);
+  return motor_output * (quadratic_share * motor_output + (1.0 - quadratic_share));
+}
+
+double throttleForThrust(const Vehicle& vehicle, double fraction) {
+  const double q = vehicle.rotors.quadratic_share.value;
+  const Radio& radio = vehicle.radio;
+  const double idle = thrustFraction(q, motorOutput(radio, 0.0));
+  if (!(fraction >= idle && fraction <= 1.0)) {
+    throw Error("thrust fraction is " + std::to_string(fraction) + "; allowed: " + std::to_string(idle) +
+                " (motors idle) .. 1");
+  }
+  // q s^2 + (1-q) s = fraction, in the form that has no cancellation and needs no special case for q = 0.
+  const double linear = 1.0 - q;
+  const double s = 2.0 * fraction / (linear + std::sqrt(linear * linear + 4.0 * q * fraction));
+  const double microseconds = radio.throttle_low + s * (radio.motor_full - radio.throttle_low);
+  const double above = (microseconds - radio.motor_idle) / (radio.motor_full - radio.motor_idle);
+  const double stick = radio.min_check + above * (radio.throttle_high - radio.min_check);
+  return std::clamp((stick - radio.throttle_low) / (radio.throttle_high - radio.throttle_low), 0.0, 1.0);
+}
+
+}  // namespace snapwing::common
