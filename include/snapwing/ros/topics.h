@@ -1,0 +1,22 @@
+#pragma once
+/// Names of topics, services and actions, once for every node. All are relative: a launch file's namespace moves them.
+/// The floor's namespace is `nodes`: generated messages say `ros::` inside `snapwing`, so no `snapwing::ros` may exist.
+
+namespace snapwing::nodes::topics {
+
+constexpr char ARM_GEOMETRY[] = "arm_geometry";        ///< snapwing/ArmGeometry, latched
+constexpr char FORCE_CURVE[] = "force_curve";          ///< snapwing/ForceDisplacementCurve, latched
+constexpr char TRANSITION_PLAN[] = "transition_plan";  ///< snapwing/TransitionPlan, latched
+constexpr char COMMAND_PULSE[] = "command/pulse";      ///< snapwing/PulseCommand, planner -> flight link
+constexpr char LINK_STATUS[] = "link_status";          ///< snapwing/LinkStatus, flight link -> all
+constexpr char IMU[] = "imu";                          ///< sensor_msgs/Imu of the centre
+constexpr char MODE_STATE[] = "mode_state";            ///< snapwing/ModeState
+constexpr char MARKERS[] = "markers";                  ///< visualization_msgs/MarkerArray
+constexpr char TRUTH[] = "truth";                      ///< snapwing/VehicleTruth, simulation only
+constexpr char PREDICT_SNAP[] = "predict_snap";        ///< service snapwing/PredictSnap
+constexpr char SWITCH_MODE[] = "switch_mode";          ///< action snapwing/SwitchMode
+constexpr char ARM[] = "arm";                          ///< service std_srvs/SetBool: arm or disarm by the radio link
+constexpr char RESET_LINK[] = "reset_link";            ///< service std_srvs/Trigger: clears a latched bridge fault
+constexpr char HOLD[] = "hold";                        ///< service std_srvs/SetBool: a hand brakes the boom, simulation only
+
+}  // namespace snapwing::nodes::topics

@@ -1,0 +1,74 @@
+#pragma once
+/// Markers that show the vehicle: ring, rotors with thrust arrows, housing, arms as the statics computed them at the
+/// given travel, wings, and a label with the mode. It draws what it is told; it estimates nothing.
+///
+/// Frames: the ring frame has its origin in the ring's centre, z along the thrust. The housing frame hangs below and
+/// moves by -u along z. An arm's coordinates (x outward, y up) lie in the vertical plane through the ring's axis:
+/// radius = housing_radius + x, z = -axle_below_ring + (y - pin_y).
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/mode.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/ros/triangulation.h"
+
+namespace snapwing::nodes {
+
+struct PictureSettings {
+  std::string ring_frame = "base_link";
+  std::string housing_frame = "housing";
+  double wing_length = 0.14;      ///< [m] rib length of the wing's fan
+  double wing_span_angle = 2.45;  ///< [rad] fan opened in fixed-wing mode; the paper's rotation of the wing tip
+  double strain_scale = 0.25;     ///< [1] strain of the outline shown in full colour
+};
+
+struct PictureState {
+  double travel = 0;                                ///< u [m]
+  double wing_angle = 0;                            ///< [rad] 0 = unfolded
+  common::Mode mode = common::Mode::UNKNOWN;        ///< colours the label
+  std::string label;                                ///< text over the vehicle
+  std::vector<double> thrust;                       ///< share of full thrust [0, 1] of each rotor; may be empty
+  ros::Time stamp;
+};
+
+class VehiclePicture {
+ public:
+  VehiclePicture(const common::Vehicle& vehicle, const common::ForceTable& table, const PictureSettings& settings);
+
+  /// Same namespaces and ids on every call, so that each call replaces the last picture.
+  visualization_msgs::MarkerArray draw(const PictureState& state) const;
+
+  /// Height of the housing's centre in the ring frame at travel u. [m]
+  double housingHeight(double travel) const;
+  /// Outline of an arm at travel u, between the two nearest computed ones. Arm coordinates [m]
+  std::vector<Loop> outline(double travel) const;
+  /// Change of length of the outline around each of its points, relative to rest. [1]
+  std::vector<std::vector<double>> outlineStrain(const std::vector<Loop>& moved) const;
+
+ private:
+  /// A computed shape with the triangles that fill it.
+  struct Shape {
+    double travel;
+    std::vector<Loop> loops;
+    std::vector<std::array<VertexId, 3>> triangles;
+  };
+  std::size_t nearest(double travel) const;
+  void drawFrame(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  void drawRotors(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  void drawArms(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  void drawWings(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  void drawLabel(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  geometry_msgs::Point place(double azimuth, double x, double y, double across) const;
+
+  common::Vehicle vehicle_;
+  PictureSettings settings_;
+  std::vector<Loop> rest_;
+  std::vector<Shape> shapes_;
+};
+
+}  // namespace snapwing::nodes

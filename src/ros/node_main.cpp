@@ -1,0 +1,24 @@
+#include "snapwing/ros/node_main.h"
+
+#include <exception>
+
+#include <ros/console.h>
+#include <ros/init.h>
+
+namespace snapwing::nodes {
+
+int runNode(int argc, char** argv, const std::string& name,
+            const std::function<std::shared_ptr<void>(Handles&)>& make) {
+  try {
+    ros::init(argc, argv, name);
+    Handles handles;
+    const std::shared_ptr<void> node = make(handles);
+    ros::spin();
+    return 0;
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(name << ": " << error.what());
+    return 2;
+  }
+}
+
+}  // namespace snapwing::nodes
