@@ -1,0 +1,44 @@
+"""Asks the snapwing command line for what a report shows beside the record: outcome maps and predicted trajectories."""
+
+import os
+import shlex
+import subprocess
+
+from snapwing_tools.errors import InputError
+
+TIMEOUT_SECONDS = 300
+
+
+class CommandLine:
+    """Runs one snapwing program and remembers the command lines."""
+
+    def __init__(self, program):
+        if not (os.path.isfile(program) and os.access(program, os.X_OK)):
+            raise InputError("{}: not a program that can be run".format(program))
+        self.program = program
+        self.commands = []
+
+    def map(self, vehicle, name, extra, output):
+        """Outcome map of a switch ("F->Q") into a CSV file. Returns None, or why it could not be had."""
+        start = name.split("->")[0]
+        return self._run(["plan", "--vehicle", vehicle, "--from", start, "--map", output] + extra, output)
+
+    def trajectory(self, vehicle, name, throttle, duration, extra, output):
+        """Predicted nominal trajectory of a pulse into a CSV file. Returns None, or why it could not be had."""
+        start = name.split("->")[0]
+        return self._run(["predict", "--vehicle", vehicle, "--from", start, "--throttle", "{:.17g}".format(throttle),
+                          "--duration", "{:.17g}".format(duration), "--csv", output] + extra, output)
+
+    def _run(self, arguments, output):
+        command = [self.program] + arguments
+        self.commands.append(" ".join(shlex.quote(part) for part in command))
+        try:
+            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIMEOUT_SECONDS,
+                                  universal_newlines=True)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            return str(error)
+        # 1 is an honest negative outcome (refused, not switched); the file is there all the same.
+        if done.returncode in (0, 1) and os.path.isfile(output) and os.path.getsize(output):
+            return None
+        text = done.stdout.strip().splitlines()
+        return "'snapwing {}' ended with {}{}".format(arguments[0], done.returncode, ": " + text[-1] if text else "")

@@ -1,0 +1,210 @@
+"""Readers of what other parts of snapwing write: force tables, outcome maps, trajectories, summaries, vehicle files.
+
+Every reader raises InputError with one line that names the file and what is wrong with it.
+"""
+
+import csv
+import json
+import math
+import os
+
+import h5py
+import numpy as np
+import yaml
+
+from snapwing_tools.errors import InputError
+
+
+class ForceTable:
+    """Force-displacement table of one arm (see include/snapwing/common/force_table.h). SI."""
+
+    def __init__(self):
+        self.path = ""
+        self.arm_count = 1
+        self.travel = self.force = self.energy = self.rotation = self.force_back = None
+        self.stable = None
+        self.rest = []   # closed loops (n, 2) at rest
+        self.moved = []  # moved[k] = loops at travel[k]
+        self.provenance = {}
+
+    def shape_at(self, travel):
+        """Loops of the arm's outline at the stored point nearest to `travel`, and that point's travel."""
+        if not self.moved:
+            return None, math.nan
+        index = int(np.argmin(np.abs(self.travel - travel)))
+        return self.moved[index], float(self.travel[index])
+
+
+def require_file(path):
+    if not os.path.isfile(path):
+        raise InputError("{}: no such file".format(path))
+    if os.path.getsize(path) == 0:
+        raise InputError("{}: the file is empty".format(path))
+
+
+def read_force_table(path):
+    require_file(path)
+    try:
+        with h5py.File(path, "r") as file:
+            return _parse_table(path, file)
+    except OSError:
+        raise InputError("{}: not an HDF5 file, or damaged".format(path))
+
+
+def _parse_table(path, file):
+    table = ForceTable()
+    table.path = path
+    units = {"travel": "m", "force": "N", "energy": "J", "rotation": "rad", "force_back": "N", "stable": "1"}
+    for name, unit in units.items():
+        setattr(table, name, _table_array(path, file, name, unit))
+    table.arm_count = int(_table_array(path, file, "arm_count", "1")[0])
+    points = len(table.travel)
+    for name in ("force", "energy", "rotation", "stable"):
+        if len(getattr(table, name)) != points:
+            raise InputError("{}: {} has {} entries, travel has {}".format(path, name, len(getattr(table, name)), points))
+    sizes = _table_array(path, file, "shapes/loop_sizes", "1").astype(int)
+    rest = _table_array(path, file, "shapes/rest", "m")
+    moved = _table_array(path, file, "shapes/moved", "m")
+    each = 2 * int(sizes.sum())
+    if len(rest) != each or len(moved) not in (0, each * points):
+        raise InputError("{}: the sizes of shapes/ do not fit together".format(path))
+    table.rest = _loops(rest, sizes)
+    table.moved = [_loops(part, sizes) for part in moved.reshape(points, each)] if len(moved) else []
+    table.provenance = {key: _text(value) for key, value in file["provenance"].attrs.items()} \
+        if "provenance" in file else {}
+    return table
+
+
+def _table_array(path, file, name, unit):
+    if name not in file:
+        raise InputError("{}: no force table, dataset {} is missing".format(path, name))
+    found = _text(file[name].attrs.get("unit", ""))
+    if found != unit:
+        raise InputError("{}: {} is in '{}', expected '{}'".format(path, name, found, unit))
+    return np.atleast_1d(file[name][()])
+
+
+def _loops(flat, sizes):
+    points = flat.reshape(-1, 2)
+    return [part for part in np.split(points, np.cumsum(sizes)[:-1]) if len(part)]
+
+
+def _text(value):
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def read_table_csv(path, required):
+    """CSV with a header row -> dict of float arrays. Lines that start with # are comments. Extra columns are kept if
+    they are numbers."""
+    require_file(path)
+    with open(path, newline="", encoding="utf-8", errors="replace") as file:
+        rows = [row for row in csv.reader(line for line in file if not line.lstrip().startswith("#")) if row]
+    if not rows:
+        raise InputError("{}: no rows".format(path))
+    header = [name.strip() for name in rows[0]]
+    absent = [name for name in required if name not in header]
+    if absent:
+        raise InputError("{}: column '{}' is missing; found {}".format(path, absent[0], ", ".join(header)))
+    if len(rows) < 2:
+        raise InputError("{}: a header but no rows".format(path))
+    columns = {}
+    for index, name in enumerate(header):
+        columns[name] = np.array([_cell(path, number, row, index, name, required)
+                                  for number, row in enumerate(rows[1:], 2)])
+    return columns
+
+
+def _cell(path, number, row, index, name, required):
+    try:
+        return float(row[index])
+    except (IndexError, ValueError):
+        if name in required:
+            raise InputError("{}: row {}, column '{}': '{}' is no number".format(
+                path, number, name, row[index] if index < len(row) else ""))
+        return math.nan
+
+
+class OutcomeMap:
+    """What pulses do: share[i, j] and margin[i, j] for throttle[i] and duration[j]; NaN where nothing was computed."""
+
+    def __init__(self, throttle, duration, share, margin):
+        self.throttle, self.duration, self.share, self.margin = throttle, duration, share, margin
+
+
+MAP_COLUMNS = ("throttle", "duration_s", "share_switched", "worst_margin")
+
+
+def read_outcome_map(path):
+    columns = read_table_csv(path, MAP_COLUMNS)
+    throttle, row = np.unique(columns["throttle"], return_inverse=True)
+    duration, column = np.unique(columns["duration_s"], return_inverse=True)
+    if len(throttle) < 2 or len(duration) < 2:
+        raise InputError("{}: a map needs at least two throttles and two durations".format(path))
+    outside = columns["share_switched"][(columns["share_switched"] < 0) | (columns["share_switched"] > 1)]
+    if len(outside):
+        raise InputError("{}: share_switched = {:g} is outside 0 .. 1".format(path, outside[0]))
+    share = np.full((len(throttle), len(duration)), np.nan)
+    margin = share.copy()
+    share[row, column] = columns["share_switched"]
+    margin[row, column] = columns["worst_margin"]
+    return OutcomeMap(throttle, duration, share, margin)
+
+
+def read_trajectory(path):
+    """Predicted motion: time [s] after the command, travel [m], and what else the file has."""
+    columns = read_table_csv(path, ("time_s", "travel_m"))
+    if np.any(np.diff(columns["time_s"]) < 0):
+        raise InputError("{}: time_s decreases".format(path))
+    return columns
+
+
+def read_summary(path):
+    """run_summary.json of the scenario: {"switches": [{"name", "ok", "reason", "start", ...}], "ok", "reason", "rung"}."""
+    require_file(path)
+    try:
+        with open(path, encoding="utf-8") as file:
+            summary = json.load(file)
+    except (ValueError, UnicodeDecodeError) as error:
+        raise InputError("{}: not JSON ({})".format(path, error))
+    if not isinstance(summary, dict) or not isinstance(summary.get("switches", None), list):
+        raise InputError("{}: expected an object with a list 'switches'".format(path))
+    for number, entry in enumerate(summary["switches"]):
+        if not isinstance(entry, dict) or "name" not in entry or not isinstance(entry.get("ok"), bool):
+            raise InputError("{}: switches[{}] needs 'name' and 'ok' (true or false)".format(path, number))
+    if not isinstance(summary.get("ok"), bool):
+        raise InputError("{}: 'ok' must be true or false".format(path))
+    return summary
+
+
+class Parameter:
+    """One number of the vehicle file."""
+
+    def __init__(self, name, value, unit, plus_minus, source):
+        self.name, self.value, self.unit, self.plus_minus, self.source = name, value, unit, plus_minus, source
+
+
+def read_vehicle(path):
+    """(name, list of Parameter, plain settings by dotted key)."""
+    require_file(path)
+    try:
+        with open(path, encoding="utf-8") as file:
+            tree = yaml.safe_load(file)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError("{}: not YAML ({})".format(path, " ".join(str(error).split())))
+    if not isinstance(tree, dict) or "name" not in tree:
+        raise InputError("{}: no vehicle file, key 'name' is missing".format(path))
+    parameters, settings = [], {}
+    _walk(tree, "", parameters, settings)
+    return str(tree["name"]), parameters, settings
+
+
+def _walk(node, prefix, parameters, settings):
+    for key, value in node.items():
+        name = prefix + str(key)
+        if isinstance(value, dict) and "value" in value:
+            parameters.append(Parameter(name, value["value"], str(value.get("unit", "")), value.get("plus_minus", 0),
+                                        str(value.get("source", ""))))
+        elif isinstance(value, dict):
+            _walk(value, name + ".", parameters, settings)
+        else:
+            settings[name] = value

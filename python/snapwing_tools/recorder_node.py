@@ -1,0 +1,80 @@
+"""Node that records a run: subscribes to everything in topics.py and keeps one HDF5 file up to date.
+
+Parameters: ~output (path of the file, required), ~autosave_period [s] (> 0; what a killed recorder loses at most),
+~vehicle_file (optional; its path and hash go into the provenance).
+"""
+
+import os
+import sys
+import time
+
+import rospy
+from snapwing import msg as snapwing_msgs
+from sensor_msgs.msg import Imu
+
+from snapwing_tools import provenance, topics
+from snapwing_tools.errors import InputError
+from snapwing_tools.recorder import RunBuffer, machine_provenance
+
+
+def message_class(topic):
+    package, name = topic.message.split("/")
+    return Imu if package == "sensor_msgs" else getattr(snapwing_msgs, name)
+
+
+def read_parameters():
+    """Strict: a missing, mistyped or unknown parameter is an error."""
+    given = rospy.get_param("~", {})
+    unknown = set(given) - {"output", "autosave_period", "vehicle_file"}
+    if unknown:
+        raise InputError("parameter ~{}: unknown; known are output, autosave_period, vehicle_file".format(
+            sorted(unknown)[0]))
+    output = given.get("output")
+    if not isinstance(output, str) or not output:
+        raise InputError("parameter ~output = {!r}: expected the path of the file to write".format(output))
+    period = given.get("autosave_period", 5.0)
+    if isinstance(period, bool) or not isinstance(period, (int, float)) or not 0.5 <= period <= 3600:
+        raise InputError("parameter ~autosave_period = {!r}: expected a number of seconds within 0.5 .. 3600".format(
+            period))
+    return os.path.abspath(os.path.expanduser(output)), float(period), given.get("vehicle_file", "")
+
+
+def subscribe(buffer):
+    """One subscriber per recorded topic; queues hold some seconds of the fastest one."""
+    def callback(message, topic):
+        buffer.add(topic, message, rospy.get_time())
+    return [rospy.Subscriber(topic.name, message_class(topic), callback, callback_args=topic, queue_size=2000,
+                             tcp_nodelay=True) for topic in topics.SERIES + topics.LATCHED]
+
+
+def record(output, period, vehicle_file):
+    texts = machine_provenance(" ".join(sys.argv))
+    if vehicle_file:
+        texts["vehicle_file"] = vehicle_file
+        texts["vehicle_sha256"] = provenance.sha256_of_file(vehicle_file) or ""
+    buffer = RunBuffer(rospy.get_time(), texts)
+    buffer.save(output, "recording")  # a place that cannot be written shows now, not at the end
+    subscribers = subscribe(buffer)
+    rospy.loginfo("recording to %s", output)
+    saved = time.monotonic()
+    # Plain sleep: it ends with the node, whatever becomes of the ROS clock.
+    while not rospy.is_shutdown():
+        time.sleep(0.1)
+        if time.monotonic() - saved >= period:
+            buffer.save(output, "recording")
+            saved = time.monotonic()
+    for subscriber in subscribers:
+        subscriber.unregister()
+    buffer.save(output, "closed")
+    counts = ", ".join("{} {}".format(name, count) for name, count in buffer.counts().items())
+    print("recorded to {}: {}".format(output, counts), flush=True)
+
+
+def main():
+    rospy.init_node("record_run")
+    try:
+        record(*read_parameters())
+    except InputError as error:
+        rospy.logfatal("record_run: %s", error)
+        return 2
+    return 0

@@ -1,0 +1,164 @@
+"""The command make_report: reads a run and what belongs to it, writes the HTML report, prints a summary."""
+
+import argparse
+import os
+import shlex
+import sys
+import tempfile
+
+from snapwing_tools import inputs as readers
+from snapwing_tools import style
+from snapwing_tools.analysis import EXPECTED
+from snapwing_tools.command_line import CommandLine
+from snapwing_tools.errors import InputError
+from snapwing_tools.report import Inputs, Report, terminal_summary
+from snapwing_tools.run_file import read_run
+
+_START = {"F": "F->Q", "Q": "Q->F"}
+
+
+def parser():
+    made = argparse.ArgumentParser(
+        prog="make_report", description="Makes a self-contained HTML report of a recorded run.",
+        epilog="Exit code: 0 the report is written, 1 it is written and --require-success was given but not both switches "
+               "are shown to have happened, 2 bad input.")
+    made.add_argument("run", metavar="RUN.h5", help="recorded run (record_run)")
+    made.add_argument("-o", "--output", default="report.html", help="report to write [report.html]")
+    made.add_argument("--summary", metavar="JSON", help="run_summary.json of the scenario "
+                      "[the file of that name beside RUN.h5, if there]")
+    made.add_argument("--vehicle", metavar="YAML", help="vehicle file, for the table of its numbers and for --snapwing")
+    made.add_argument("--table", metavar="H5", help="force table, for the arm's shapes [arm.table_file of --vehicle]")
+    made.add_argument("--map", nargs=2, action="append", default=[], metavar=("F|Q", "CSV"),
+                      help="outcome map of the switches from F or Q (snapwing plan --map)")
+    made.add_argument("--trajectory", nargs=2, action="append", default=[], metavar=("F|Q", "CSV"),
+                      help="predicted trajectory of the pulse from F or Q (snapwing predict --csv)")
+    made.add_argument("--snapwing", metavar="PROGRAM", help="snapwing command line: computes the maps and trajectories "
+                      "that are not given; needs --vehicle")
+    made.add_argument("--trial", default="", metavar="OPTIONS", help="options that the run's trial needs in "
+                      "'snapwing plan' and 'snapwing predict', as one text, e.g. '--mount boom'")
+    made.add_argument("--figures", metavar="FOLDER", help="also save each figure as PNG")
+    made.add_argument("--require-success", action="store_true", help="exit with 1 unless both switches happened")
+    return made
+
+
+def main(arguments=None):
+    options = parser().parse_args(arguments)
+    try:
+        return run(options, sys.argv[1:] if arguments is None else arguments)
+    except InputError as error:
+        print("make_report: {}".format(error), file=sys.stderr)
+        return 2
+
+
+def run(options, arguments):
+    with tempfile.TemporaryDirectory(prefix="snapwing_report_") as folder:
+        report = Report(gather(options, folder))
+    report.inputs.commands.append("make_report " + " ".join(shlex.quote(part) for part in arguments))
+    figures = report.figures()
+    if options.figures:
+        save_figures(options.figures, figures)
+    write_text(options.output, report.html(figures))
+    print(terminal_summary(report, os.path.abspath(options.output)))
+    return 1 if options.require_success and not report.verdict.good else 0
+
+
+def gather(options, folder):
+    """Reads all inputs; what was asked for by name must be right, what is only looked for may be absent."""
+    made = Inputs(read_run(options.run))
+    made.files.append(("run", options.run))
+    beside = os.path.join(os.path.dirname(os.path.abspath(options.run)), "run_summary.json")
+    summary = options.summary or (beside if os.path.isfile(beside) else None)
+    if summary:
+        made.summary = readers.read_summary(summary)
+        made.files.append(("summary of the scenario", summary))
+    if options.vehicle:
+        made.vehicle = readers.read_vehicle(options.vehicle)
+        made.files.append(("vehicle", options.vehicle))
+    _gather_table(made, options)
+    for start, path in options.map:
+        made.maps[_name(start, "--map")] = readers.read_outcome_map(path)
+        made.files.append(("outcome map from " + start, path))
+    for start, path in options.trajectory:
+        made.trajectories[_name(start, "--trajectory")] = readers.read_trajectory(path)
+        made.files.append(("trajectory from " + start, path))
+    _ask_command_line(made, options, folder)
+    return made
+
+
+def _name(start, option):
+    if start not in _START:
+        raise InputError("{} {}: expected F or Q".format(option, start))
+    return _START[start]
+
+
+def _gather_table(made, options):
+    path = options.table
+    if not path and made.vehicle is not None:
+        listed = made.vehicle[2].get("arm.table_file")
+        if listed:
+            path = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(options.vehicle)), str(listed)))
+            if not os.path.isfile(path):
+                made.notes.append("The vehicle's force table is not there, so the arm's shapes are not shown.")
+                return
+    if path:
+        made.table = readers.read_force_table(path)
+        made.files.append(("force table", path))
+    else:
+        made.notes.append("No force table was given (--table or --vehicle), so the arm's shapes are not shown.")
+
+
+def _ask_command_line(made, options, folder):
+    """Fills in maps and trajectories that were not given."""
+    if not options.snapwing:
+        for name in EXPECTED:
+            if name not in made.maps:
+                made.notes.append("{}: no outcome map (give --map or --snapwing).".format(name))
+            if name not in made.trajectories:
+                made.notes.append("{}: no predicted trajectory (give --trajectory or --snapwing).".format(name))
+        return
+    if not options.vehicle:
+        raise InputError("--snapwing needs --vehicle")
+    program, extra = CommandLine(options.snapwing), shlex.split(options.trial)
+    pulses = {switch.name: switch for switch in Report(made).switches}
+    for name in EXPECTED:
+        stem = os.path.join(folder, name.replace("->", "_"))
+        if name not in made.maps:
+            _try(made, name, "outcome map", program.map(options.vehicle, name, extra, stem + "_map.csv"),
+                 lambda path=stem + "_map.csv", key=name: made.maps.__setitem__(key, readers.read_outcome_map(path)))
+        if name not in made.trajectories and name in pulses:
+            pulse = pulses[name]
+            failure = program.trajectory(options.vehicle, name, pulse.throttle, pulse.duration, extra, stem + "_motion.csv")
+            _try(made, name, "predicted trajectory", failure, lambda path=stem + "_motion.csv", key=name:
+                 made.trajectories.__setitem__(key, readers.read_trajectory(path)))
+    made.commands += [text.replace(folder + os.sep, "") for text in program.commands]
+
+
+def _try(made, name, what, failure, take):
+    """Takes a result of the command line, or notes why there is none."""
+    if failure is None:
+        try:
+            take()
+            return
+        except InputError as error:
+            failure = str(error)
+    made.notes.append("{}: no {}: {}.".format(name, what, failure))
+
+
+def save_figures(folder, figures):
+    try:
+        os.makedirs(folder, exist_ok=True)
+        for name, _, _, fig in figures:
+            style.save_png(fig, os.path.join(folder, name + ".png"))
+    except OSError as error:
+        raise InputError("cannot write figures to {}: {}".format(folder, error.strerror))
+
+
+def write_text(path, text):
+    """Replaces a file in one step."""
+    partial = "{}.part{}".format(path, os.getpid())
+    try:
+        with open(partial, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(partial, path)
+    except OSError as error:
+        raise InputError("cannot write {}: {}".format(path, error.strerror))
