@@ -1,0 +1,105 @@
+#pragma once
+/// The radio bridge's state machine and frame clock, pure: no input or output, no clock of its own, no allocation.
+///
+///   state  | event                                             | next  | frames
+///   -------+---------------------------------------------------+-------+----------------------------------
+///   IDLE   | arm switch on (was off), deadman held, controller | ARMED | throttle low, AUX1 low
+///          | known, connected, ready, disarmed                 |       |
+///   ARMED  | pulse accepted and controller reports armed       | PULSE | throttle low, AUX1 high
+///   ARMED  | switch off or deadman released                    | IDLE  |
+///   PULSE  | own deadline                                      | ARMED | throttle of the pulse, AUX1 high
+///   PULSE  | switch off or deadman released                    | IDLE  |
+///   ARMED, PULSE | abort, heartbeat lost, line lost, telemetry lost, failsafe, disarmed by itself,
+///          | motors disagree, own loop stalled, shutdown       | FAULT |
+///   FAULT  | reset with arm switch off, controller disarmed    | IDLE  | throttle low, AUX1 low
+///
+/// An abort or a shutdown latches FAULT from every state.
+
+#include <array>
+
+#include "snapwing/link/bridge_types.h"
+
+namespace snapwing::link {
+
+class BridgeCore {
+ public:
+  /// @param session  random number that names this run of the bridge
+  /// @param now      [s] monotonic
+  BridgeCore(const BridgeSettings& settings, std::int64_t session, double now);
+
+  /// Messages, already authenticated. Each returns why it had no effect, or NONE; refusals are counted. A command
+  /// takes effect with the next frame.
+  Refusal onPulse(const PulseCommand& command, double now);
+  Refusal onHeartbeat(const Heartbeat& heartbeat, double now);
+  Refusal onAbort(const Abort& abort, double now);
+  void onController(const ControllerState& controller) { status_.controller = controller; }
+
+  /// When tick() is due next: the frame grid, brought forward to a pulse's deadline so that a pulse has its exact length.
+  double nextFrameTime() const { return next_frame_; }
+  /// Advances the state machine and gives the channels to send now. Call at nextFrameTime().
+  const Channels& tick(double now);
+  /// The line took the frame of the last tick, or did not.
+  void onSent(bool written, double now);
+
+  /// Latches FAULT(SHUTDOWN). The caller goes on ticking until shutdownDone().
+  void requestShutdown(double now);
+  /// True once safe frames went out for the exit time, or could not be written for as long.
+  bool shutdownDone(double now) const;
+
+  const BridgeStatus& status() const { return status_; }
+  std::int64_t session() const { return session_; }
+  const BridgeSettings& settings() const { return settings_; }
+
+ private:
+  enum class Kind { PULSE = 0, HEARTBEAT = 1, ABORT = 2 };
+  struct Sender {
+    std::int64_t id = 0;
+    std::array<std::int64_t, 3> last_number{};
+    double last_seen = -1e9;
+    bool used = false;
+    bool switch_off_seen = false;  ///< arm switch was off since the last disarming
+    bool wished = false;           ///< arm switch on and deadman held in the last heartbeat
+    bool reset_wished = true;      ///< reset_fault in the last heartbeat; true at first, so that an edge is needed
+  };
+
+  Refusal checkStamp(const Stamp& stamp, Kind kind, double now, std::int64_t& detail);
+  Sender* findSender(std::int64_t id, double now);
+  Refusal checkPulse(const PulseCommand& command, double now, std::int64_t& detail) const;
+  Refusal checkArming(const Sender& sender, double now, std::int64_t& detail) const;
+  Refusal wishToArm(const Heartbeat& heartbeat, Sender& sender, double now);
+  void resetFault(Sender& sender);
+  Refusal refuse(Refusal refusal, std::int64_t detail);
+  void latch(Fault fault, std::int64_t detail);
+  void disarm();
+  void watch(double now);
+  void watchController(double now);
+  void advancePulse(double now);
+  void composeChannels(double now);
+  void notePeriod(double now);
+  void schedule(double now);
+  bool active() const { return status_.state == BridgeState::ARMED || status_.state == BridgeState::PULSE; }
+
+  BridgeSettings settings_;
+  std::int64_t session_;
+  BridgeStatus status_;
+  std::array<Sender, 8> senders_{};
+
+  double next_frame_;       ///< [s]
+  double last_tick_;        ///< [s] NaN before the first
+  double wanted_period_;    ///< [s] what the last schedule asked for
+  double worst_now_ = 0, worst_before_ = 0, worst_since_ = 0;  ///< two half-second windows
+
+  std::int64_t operator_id_ = 0;      ///< sender that armed
+  double last_heartbeat_ = -1e9;      ///< [s] of the operator while armed
+  double armed_since_ = 0;
+  bool controller_was_armed_ = false;
+  double last_written_ = -1e9;
+
+  bool has_pending_ = false;
+  PulseCommand pending_;
+  double pulse_start_ = 0, pulse_end_ = 0;
+  double low_since_ = 0;  ///< throttle low sent since
+  double shutdown_since_ = -1;
+};
+
+}  // namespace snapwing::link

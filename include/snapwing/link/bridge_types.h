@@ -1,0 +1,150 @@
+#pragma once
+/// What goes into the radio bridge and what comes out: plain data of fixed size, so that its loop allocates nothing.
+/// Times are seconds on the bridge's own monotonic clock.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "snapwing/link/channels.h"
+
+namespace snapwing::link {
+
+/// Where a command comes from and how long it holds; already authenticated.
+struct Stamp {
+  std::int64_t sender_id = 0;
+  std::int64_t session = 0;
+  std::int64_t number = 0;
+  double time = 0;    ///< [s] sent, on the bridge's clock
+  double expiry = 0;  ///< [s] good for this long
+};
+
+struct PulseCommand {
+  Stamp stamp;
+  std::int64_t pulse_id = 0;
+  double throttle = 0;  ///< [0, 1]
+  double duration = 0;  ///< [s]
+  double pitch = 0;     ///< [-1, 1]
+  bool mixed = false;   ///< pitch is used too
+};
+
+struct Heartbeat {
+  Stamp stamp;
+  bool arm_switch = false;
+  bool deadman = false;
+  bool reset_fault = false;
+};
+
+struct Abort {
+  Stamp stamp;
+  int reason = 0;
+};
+
+enum class BridgeState : std::uint8_t { UNKNOWN = 0, IDLE = 1, ARMED = 2, PULSE = 3, FAULT = 4 };
+/// "idle", "armed", ...
+const char* stateName(BridgeState state);
+
+/// Why the bridge latched a fault.
+enum class Fault : std::int32_t {
+  NONE = 0,
+  ABORTED = 1,               ///< detail: reason of the abort
+  HEARTBEAT_LOST = 2,        ///< while armed
+  LINE_LOST = 3,             ///< connection closed or blocked while armed
+  CONTROLLER_FAILSAFE = 4,   ///< while armed
+  CONTROLLER_DISARMED = 5,   ///< by itself; detail: arming-disable flags
+  CONTROLLER_NOT_ARMING = 6, ///< not armed in time; detail: arming-disable flags
+  TELEMETRY_LOST = 7,        ///< while armed
+  LOOP_STALLED = 8,          ///< the bridge itself was stopped while armed; detail: [us] gap
+  SHUTDOWN = 9,              ///< the bridge is about to end
+  MOTORS_DISAGREE = 10,      ///< motors above idle while throttle low is sent; detail: [us] largest output
+};
+
+/// Why a message had no effect.
+enum class Refusal : std::int32_t {
+  NONE = 0,
+  WRONG_SESSION = 1,
+  STALE = 2,             ///< detail: [us] age
+  FROM_FUTURE = 3,       ///< detail: [us] age, negative
+  REPEATED_NUMBER = 4,   ///< detail: number
+  REPEATED_PULSE = 5,    ///< detail: pulse id
+  BAD_VALUE = 6,         ///< not finite or outside the allowed range
+  NOT_ARMED = 7,
+  BUSY = 8,              ///< a pulse is in force, or the pause after the last one is not over
+  OTHER_OPERATOR = 9,    ///< another sender holds the deadman
+  TOO_MANY_SENDERS = 10,
+  MIXED_NOT_ALLOWED = 11,
+  LATCHED_FAULT = 12,    ///< detail: fault
+  NOT_CONNECTED = 13,
+  CONTROLLER_UNKNOWN = 14,    ///< identity or settings not read yet, or unsafe; detail: check
+  CONTROLLER_NOT_READY = 15,  ///< detail: arming-disable flags
+  CONTROLLER_FAILSAFE = 16,
+  SWITCH_NOT_CYCLED = 17,     ///< the arm switch has not been off yet
+};
+/// Plain sentences for logs and messages, e.g. "command is 130 ms old, limit 100 ms".
+std::string describe(Fault fault, std::int64_t detail);
+std::string describe(Refusal refusal, std::int64_t detail);
+/// "RXLOSS BOOTGRACE" from a mask of Betaflight 4.5's arming-disable bits.
+std::string describeArmingFlags(std::uint32_t flags);
+
+/// What the flight controller said, as far as the bridge's logic needs it.
+struct ControllerState {
+  bool connected = false;
+  bool known = false;          ///< identity and settings read and found safe, or allowed by name
+  bool readback = true;        ///< false: no telemetry on this line; allowed by name only
+  int failed_check = 0;        ///< first check not passed
+  bool armed = false;
+  bool failsafe = false;
+  std::uint32_t arming_flags = 0;
+  int motor_max = 0;           ///< [us] largest motor output; 0 = not read
+  double motor_time = -std::numeric_limits<double>::infinity();
+  double status_time = -std::numeric_limits<double>::infinity();  ///< [s] when status was last received
+};
+
+struct BridgeSettings {
+  double frame_period = 0.02;       ///< [s] 0.007..0.05
+  double max_age = 0.1;             ///< [s] commands older than this are dropped
+  double future_tolerance = 0.005;  ///< [s] how far a stamp may run ahead
+  double heartbeat_timeout = 0.2;   ///< [s] 0.04..0.25
+  double max_throttle = 1.0;        ///< [1] larger commands are refused
+  double max_pulse = 1.5;           ///< [s] longer commands are refused
+  double min_rest = 0.1;            ///< [s] between pulses
+  double throttle_rise = 0.0;       ///< [s] ramp from low to full; 0 = step. Falling is never ramped
+  double max_pitch = 0.0;           ///< [1] stick; 0 = mixed control not allowed
+  double arm_timeout = 1.0;         ///< [s] controller must report armed within
+  double telemetry_timeout = 1.0;   ///< [s] age of its status while armed
+  double stall_limit = 0.1;         ///< [s] own loop late by more than this while armed latches a fault
+  double line_timeout = 0.1;        ///< [s] nothing could be written while armed: fault
+  double motor_check_delay = 0.6;   ///< [s] after throttle low, read-back motors must be at idle
+  int motor_idle_limit = 1120;      ///< [us] above this is not idle
+  double exit_time = 0.3;           ///< [s] throttle low and AUX1 low sent on shutdown, at least 0.2
+  /// @throws common::SettingError naming the key
+  void validate() const;
+};
+
+constexpr int HISTOGRAM_BINS = 10;
+/// Upper edges of all but the last bin [s].
+constexpr std::array<double, HISTOGRAM_BINS - 1> HISTOGRAM_EDGES = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2};
+
+struct BridgeStatus {
+  BridgeState state = BridgeState::IDLE;
+  Fault fault = Fault::NONE;
+  std::int64_t fault_detail = 0;
+  std::int64_t pulse_id = 0;
+  double commanded_throttle = 0;
+  Channels channels;
+  double frame_time = 0;  ///< [s]
+  std::int64_t frames_sent = 0;
+  std::int64_t frames_dropped = 0;
+  std::int64_t commands_accepted = 0;
+  std::int64_t commands_refused = 0;
+  Refusal last_refusal = Refusal::NONE;
+  std::int64_t last_refusal_detail = 0;
+  double period_worst = 0;  ///< [s] over the last second
+  std::array<std::int64_t, HISTOGRAM_BINS> period_histogram{};
+  double latency_worst = 0;  ///< [s]
+  ControllerState controller;
+  double telemetry_age = -1;  ///< [s]; negative = never
+};
+
+}  // namespace snapwing::link

@@ -1,0 +1,84 @@
+#pragma once
+/// Reads a flight controller over MSP: first who it is and how its failsafe is set, then its state, over and over, within
+/// the about 96 commands a second that it serves (50 frames + 25 questions). Pure: packets in, packets out.
+
+#include <array>
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "snapwing/link/bridge_types.h"
+#include "snapwing/link/msp_messages.h"
+
+namespace snapwing::link {
+
+/// What must be right before arming. The number is the detail of Refusal::CONTROLLER_UNKNOWN.
+enum class Check : int {
+  NONE = 0,
+  NOT_READ = 1,            ///< answers are missing yet
+  CONTROLLER = 2,          ///< variant is not BTFL
+  API_VERSION = 3,         ///< not 1.46 (release 4.5): flag numbers and timing unknown
+  RX_MAP = 4,              ///< not AETR1234: throttle would land on another channel
+  FAILSAFE_DELAY = 5,      ///< longer than 1.5 s
+  FAILSAFE_PROCEDURE = 6,  ///< not "motors off"
+  BOX_IDS = 7,             ///< no ARM or FAILSAFE box: armed cannot be read
+};
+/// Name by which a failed check can be allowed: "controller", "api-version", "rx-map", "failsafe-delay",
+/// "failsafe-procedure"; empty for those that cannot be.
+const char* checkName(Check check);
+
+struct ControllerTelemetry {
+  ApiVersion api{-1, -1, -1};
+  std::array<char, 4> variant{};
+  FailsafeConfig failsafe;
+  bool failsafe_read = false;
+  StatusReply status;
+  Channels motors, rc;
+  double status_time = -1e9, motor_time = -1e9, rc_time = -1e9;  ///< [s]
+  std::int64_t requests = 0, replies = 0, reply_errors = 0;
+};
+
+class ControllerWatch {
+ public:
+  /// @param allowed  names of checks that need not pass. @throws common::Error for an unknown name
+  ControllerWatch(MspVersion version, const std::set<std::string>& allowed);
+
+  /// A new connection: everything must be read again.
+  void connected(double now);
+  void disconnected();
+
+  /// What to ask with this frame. Call once per frame.
+  /// @return false if nothing is to be asked now
+  bool nextRequest(double now, MspPacket& out);
+  void onPacket(const MspPacket& packet, double now);
+
+  const ControllerState& state() const { return state_; }
+  const ControllerTelemetry& telemetry() const { return telemetry_; }
+  /// First check that failed although its answer has come.
+  Check failedCheck() const { return static_cast<Check>(state_.failed_check); }
+  /// Frames sent since the last answer to one; a stopped controller lets this grow.
+  int unansweredFrames() const { return unanswered_frames_; }
+  void noteFrame() { ++unanswered_frames_; }
+
+ private:
+  bool answered(std::uint16_t id) const;
+  void judge();
+  Check judgeIdentity() const;
+  bool allowed(Check check) const { return (allowed_mask_ >> static_cast<int>(check) & 1U) != 0; }
+  void onStatus(const MspPacket& packet, double now);
+
+  MspVersion version_;
+  unsigned allowed_mask_ = 0;
+  ControllerState state_;
+  ControllerTelemetry telemetry_;
+  BoxIds boxes_;
+  RxMap rx_map_;
+  std::array<bool, 5> identity_read_{};
+  int arm_bit_ = -1, failsafe_bit_ = -1;
+  unsigned frame_ = 0, turn_ = 0;
+  std::uint16_t asked_ = 0;  ///< 0 = no question open
+  double asked_time_ = 0;
+  int unanswered_frames_ = 0;
+};
+
+}  // namespace snapwing::link

@@ -1,0 +1,119 @@
+#pragma once
+/// Stand-in for a racing quadrotor's flight controller: receiver, arming, failsafe and throttle scaling as measured on
+/// Betaflight 4.5.5 (docs/safety.md lists the rules). Pure: frames and times in, motor outputs and flags out.
+
+#include <array>
+#include <cstdint>
+
+#include "snapwing/link/channels.h"
+#include "snapwing/link/motor_stream.h"
+#include "snapwing/link/msp_messages.h"
+
+namespace snapwing::link {
+
+/// Arming-disable bits of release 4.5 that the stand-in can raise.
+enum ArmingFlag : std::uint32_t {
+  FLAG_FAILSAFE = 1U << 1,
+  FLAG_RXLOSS = 1U << 2,
+  FLAG_NOT_DISARMED = 1U << 3,
+  FLAG_THROTTLE = 1U << 7,
+  FLAG_BOOTGRACE = 1U << 9,
+  FLAG_ARMSWITCH = 1U << 25,
+};
+constexpr int ARMING_FLAG_COUNT = 26;
+
+/// Defaults are the measured ones. [s] and [us]
+struct StandinSettings {
+  double boot_grace = 5.0;
+  double rxloss_after = 0.1;       ///< without a frame
+  double rxloss_clear = 0.5;       ///< of frames
+  double throttle_hold = 0.28;     ///< last throttle kept this long, then idle
+  double channel_hold = 0.3;       ///< an invalid channel keeps its last value this long
+  double failsafe_delay = 1.5;     ///< then motors off, disarmed
+  double failsafe_recovery = 1.0;  ///< of frames, and AUX1 low, before failsafe clears
+  double thrust_return = 0.02;     ///< after the first frame that follows a gap longer than throttle_hold
+  double arm_delay = 0.04;
+  double msp_rate = 96.0;          ///< [1/s] commands served
+  int msp_backlog = 106;           ///< commands kept waiting (1.1 s); more are lost
+  int arm_threshold = 1700;        ///< AUX1 at or above
+  int min_check = 1050;            ///< throttle below is low
+  int motor_idle = 1070;
+  int motor_off = 1000;
+  ApiVersion api{0, 1, 46};
+  std::array<char, 4> variant{'B', 'T', 'F', 'L'};
+  FailsafeConfig failsafe{1.5, 1.0, 1000, 0, 10.0, 1};
+  RxMap rx_map{DEFAULT_RX_MAP};
+};
+
+class StandinController {
+ public:
+  /// @param now  [s] power on
+  StandinController(const StandinSettings& settings, double now);
+
+  /// A good frame from the receiver. Channels beyond its count keep their values; those outside 885..2115 are invalid.
+  void onFrame(const Channels& channels, double now);
+  /// Advances timers; call at least every few milliseconds.
+  void step(double now);
+
+  bool armed() const { return armed_; }
+  bool failsafe() const { return failsafe_; }
+  std::uint32_t armingFlags() const { return flags_; }
+  /// [us] of each motor; equal, since the stand-in has no attitude loop.
+  int motorMicroseconds() const { return motor_; }
+  MotorOutputs motorOutputs() const;
+  /// Channels as MSP_RC shows them: roll, pitch, yaw, throttle, AUX1 ...
+  Channels seenChannels(double now) const;
+  std::int64_t frames() const { return frames_; }
+  const StandinSettings& settings() const { return settings_; }
+
+ private:
+  bool flightChannelsValid(double now) const;
+  void updateArming(double now);
+  void updateFailsafe(double now);
+  std::uint32_t computeFlags(double now) const;
+  int throttleInForce(double now) const;
+  int motorFor(int throttle) const;
+
+  StandinSettings settings_;
+  double boot_time_;
+  Channels values_;  ///< wire order, held
+  std::array<double, MAX_CHANNELS> valid_time_{};
+  bool any_frame_ = false;
+  double last_frame_ = -1e9;    ///< any frame
+  double last_good_ = -1e9;     ///< frame while all flight channels were valid or held
+  double good_since_ = 1e18;    ///< unbroken good frames since
+  double thrust_return_ = -1e9;
+  bool armed_ = false, failsafe_ = false;
+  bool switch_on_ = false, not_disarmed_ = false, arm_switch_latched_ = false;
+  double arm_at_ = -1;  ///< pending arming; negative = none
+  std::uint32_t flags_ = 0;
+  int motor_;
+  std::int64_t frames_ = 0;
+};
+
+/// The serial port of the stand-in: one MSP command served per turn of a fixed-rate task.
+class StandinMsp {
+ public:
+  StandinMsp(StandinController& controller, double now);
+
+  void receive(const std::uint8_t* bytes, std::size_t size);
+  /// Serves what is due and steps the controller to `now`.
+  /// @param out  answers are written here. @return bytes written
+  std::size_t step(double now, std::uint8_t* out, std::size_t capacity);
+  std::int64_t lostCommands() const { return lost_; }
+  std::int64_t served() const { return served_; }
+  void reset();
+
+ private:
+  void serve(const MspPacket& packet, double now, MspPacket& reply);
+
+  static constexpr std::size_t QUEUE = 128;
+  StandinController& controller_;
+  MspParser parser_;
+  std::array<MspPacket, QUEUE> queue_;
+  std::size_t head_ = 0, count_ = 0;
+  double next_turn_;
+  std::int64_t lost_ = 0, served_ = 0;
+};
+
+}  // namespace snapwing::link

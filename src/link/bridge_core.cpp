@@ -1,0 +1,313 @@
+#include "snapwing/link/bridge_core.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace snapwing::link {
+namespace {
+
+constexpr double MIN_GAP = 0.005;     ///< [s] between two frames
+constexpr double TIME_SLACK = 1e-6;   ///< [s] rounding of the timer
+constexpr double BLIND_ARMING = 0.2;  ///< [s] after which a controller that cannot be read counts as armed
+
+std::int64_t micros(double seconds) { return std::llround(seconds * 1e6); }
+bool within(double value, double low, double high) { return value >= low && value <= high; }
+
+}  // namespace
+
+BridgeCore::BridgeCore(const BridgeSettings& settings, std::int64_t session, double now)
+    : settings_(settings),
+      session_(session),
+      next_frame_(now),
+      last_tick_(std::numeric_limits<double>::quiet_NaN()),
+      wanted_period_(settings.frame_period),
+      worst_since_(now),
+      low_since_(now) {
+  settings_.validate();
+  status_.channels = safeChannels();
+}
+
+Refusal BridgeCore::refuse(Refusal refusal, std::int64_t detail) {
+  ++status_.commands_refused;
+  status_.last_refusal = refusal;
+  status_.last_refusal_detail = detail;
+  return refusal;
+}
+
+BridgeCore::Sender* BridgeCore::findSender(std::int64_t id, double now) {
+  Sender* free_place = nullptr;
+  for (Sender& sender : senders_) {
+    if (sender.used && sender.id == id) return &sender;
+    // A sender unseen for longer than any message lives can be forgotten: what it sent before is stale by now.
+    const bool forgettable = !sender.used || (now - sender.last_seen > 1.0 && !(active() && sender.id == operator_id_));
+    if (forgettable && (free_place == nullptr || sender.last_seen < free_place->last_seen)) free_place = &sender;
+  }
+  if (free_place != nullptr) {
+    *free_place = Sender{};
+    free_place->id = id;
+    free_place->used = true;
+  }
+  return free_place;
+}
+
+Refusal BridgeCore::checkStamp(const Stamp& stamp, Kind kind, double now, std::int64_t& detail) {
+  if (stamp.session != session_) return Refusal::WRONG_SESSION;
+  const double age = now - stamp.time;
+  detail = micros(age);
+  if (age < -settings_.future_tolerance) return Refusal::FROM_FUTURE;
+  // An abort may be late: stopping is always allowed in the session it was meant for.
+  if (kind != Kind::ABORT && !(age <= std::min(settings_.max_age, stamp.expiry))) return Refusal::STALE;
+  Sender* sender = findSender(stamp.sender_id, now);
+  if (sender == nullptr) return Refusal::TOO_MANY_SENDERS;
+  std::int64_t& last = sender->last_number[static_cast<std::size_t>(kind)];
+  detail = stamp.number;
+  if (stamp.number <= last) return Refusal::REPEATED_NUMBER;
+  last = stamp.number;
+  sender->last_seen = now;
+  detail = 0;
+  return Refusal::NONE;
+}
+
+Refusal BridgeCore::checkPulse(const PulseCommand& command, double now, std::int64_t& detail) const {
+  detail = 0;
+  const bool sound = within(command.throttle, 0.0, settings_.max_throttle) && command.duration > 0.0 &&
+                     command.duration <= settings_.max_pulse &&
+                     (!command.mixed || within(std::abs(command.pitch), 0.0, std::max(settings_.max_pitch, 1e-12)));
+  if (command.mixed && settings_.max_pitch <= 0.0) return Refusal::MIXED_NOT_ALLOWED;
+  if (!sound) return Refusal::BAD_VALUE;
+  detail = command.pulse_id;
+  if (command.pulse_id <= status_.pulse_id) return Refusal::REPEATED_PULSE;
+  detail = static_cast<std::int64_t>(status_.fault);
+  if (status_.state == BridgeState::FAULT) return Refusal::LATCHED_FAULT;
+  detail = 0;
+  if (status_.state == BridgeState::PULSE) return Refusal::BUSY;
+  if (status_.state != BridgeState::ARMED) return Refusal::NOT_ARMED;
+  if (command.stamp.sender_id != operator_id_) return Refusal::OTHER_OPERATOR;
+  const bool confirmed = status_.controller.readback ? controller_was_armed_ : now - armed_since_ >= BLIND_ARMING;
+  if (!confirmed) return Refusal::NOT_ARMED;
+  if (pulse_end_ > 0 && now - pulse_end_ < settings_.min_rest) return Refusal::BUSY;
+  return Refusal::NONE;
+}
+
+Refusal BridgeCore::onPulse(const PulseCommand& command, double now) {
+  std::int64_t detail = 0;
+  Refusal refusal = checkStamp(command.stamp, Kind::PULSE, now, detail);
+  if (refusal == Refusal::NONE) refusal = checkPulse(command, now, detail);
+  if (refusal != Refusal::NONE) return refuse(refusal, detail);
+  // The latest command before the next frame wins; there is no queue.
+  pending_ = command;
+  has_pending_ = true;
+  status_.pulse_id = command.pulse_id;
+  ++status_.commands_accepted;
+  return Refusal::NONE;
+}
+
+Refusal BridgeCore::onAbort(const Abort& abort, double now) {
+  std::int64_t detail = 0;
+  const Refusal refusal = checkStamp(abort.stamp, Kind::ABORT, now, detail);
+  if (refusal != Refusal::NONE) return refuse(refusal, detail);
+  ++status_.commands_accepted;
+  latch(Fault::ABORTED, abort.reason);
+  return Refusal::NONE;
+}
+
+Refusal BridgeCore::onHeartbeat(const Heartbeat& heartbeat, double now) {
+  std::int64_t detail = 0;
+  const Refusal refusal = checkStamp(heartbeat.stamp, Kind::HEARTBEAT, now, detail);
+  if (refusal != Refusal::NONE) return refuse(refusal, detail);
+  Sender& sender = *findSender(heartbeat.stamp.sender_id, now);
+  if (!heartbeat.arm_switch) sender.switch_off_seen = true;
+  if (heartbeat.reset_fault && !sender.reset_wished && !heartbeat.arm_switch) resetFault(sender);
+  sender.reset_wished = heartbeat.reset_fault;
+
+  const bool wish = heartbeat.arm_switch && heartbeat.deadman;
+  const bool begins = wish && !sender.wished;
+  sender.wished = wish;
+  if (active() && sender.id == operator_id_) {
+    last_heartbeat_ = std::max(last_heartbeat_, heartbeat.stamp.time);
+    if (!wish) disarm();
+    return Refusal::NONE;
+  }
+  return begins ? wishToArm(heartbeat, sender, now) : Refusal::NONE;
+}
+
+Refusal BridgeCore::wishToArm(const Heartbeat& heartbeat, Sender& sender, double now) {
+  std::int64_t detail = 0;
+  const Refusal refusal = checkArming(sender, now, detail);
+  sender.switch_off_seen = false;  // each attempt, also a refused one, needs the switch to be off first
+  if (refusal != Refusal::NONE) return refuse(refusal, detail);
+  status_.state = BridgeState::ARMED;
+  operator_id_ = sender.id;
+  last_heartbeat_ = heartbeat.stamp.time;
+  armed_since_ = now;
+  controller_was_armed_ = false;
+  has_pending_ = false;
+  ++status_.commands_accepted;
+  return Refusal::NONE;
+}
+
+Refusal BridgeCore::checkArming(const Sender& sender, double now, std::int64_t& detail) const {
+  const ControllerState& controller = status_.controller;
+  if (active()) return Refusal::OTHER_OPERATOR;
+  detail = static_cast<std::int64_t>(status_.fault);
+  if (status_.state == BridgeState::FAULT) return Refusal::LATCHED_FAULT;
+  detail = 0;
+  if (!sender.switch_off_seen) return Refusal::SWITCH_NOT_CYCLED;
+  if (!controller.connected || now - last_written_ > settings_.line_timeout) return Refusal::NOT_CONNECTED;
+  detail = controller.failed_check;
+  if (!controller.known) return Refusal::CONTROLLER_UNKNOWN;
+  if (!controller.readback) return Refusal::NONE;
+  detail = controller.arming_flags;
+  if (now - controller.status_time > settings_.telemetry_timeout) return Refusal::CONTROLLER_UNKNOWN;
+  if (controller.failsafe) return Refusal::CONTROLLER_FAILSAFE;
+  if (controller.arming_flags != 0 || controller.armed) return Refusal::CONTROLLER_NOT_READY;
+  return Refusal::NONE;
+}
+
+void BridgeCore::resetFault(Sender& sender) {
+  const bool still_armed = status_.controller.readback && status_.controller.armed;
+  if (status_.state != BridgeState::FAULT || status_.fault == Fault::SHUTDOWN || still_armed) return;
+  status_.state = BridgeState::IDLE;
+  status_.fault = Fault::NONE;
+  status_.fault_detail = 0;
+  sender.switch_off_seen = true;
+  ++status_.commands_accepted;
+}
+
+void BridgeCore::disarm() {
+  status_.state = BridgeState::IDLE;
+  has_pending_ = false;
+  for (Sender& sender : senders_) sender.switch_off_seen = false;
+}
+
+void BridgeCore::latch(Fault fault, std::int64_t detail) {
+  has_pending_ = false;
+  for (Sender& sender : senders_) sender.switch_off_seen = false;
+  // The first cause stays, except that ending the bridge cannot be reset and so must show.
+  if (status_.state == BridgeState::FAULT && fault != Fault::SHUTDOWN) return;
+  status_.state = BridgeState::FAULT;
+  status_.fault = fault;
+  status_.fault_detail = detail;
+}
+
+void BridgeCore::requestShutdown(double now) {
+  if (shutdown_since_ >= 0) return;
+  shutdown_since_ = now;
+  latch(Fault::SHUTDOWN, 0);
+}
+
+bool BridgeCore::shutdownDone(double now) const {
+  return shutdown_since_ >= 0 && now - shutdown_since_ >= settings_.exit_time;
+}
+
+const Channels& BridgeCore::tick(double now) {
+  notePeriod(now);
+  if (active()) watch(now);
+  if (active()) advancePulse(now);
+  composeChannels(now);
+  status_.frame_time = now;
+  status_.telemetry_age = std::isfinite(status_.controller.status_time) ? now - status_.controller.status_time : -1.0;
+  last_tick_ = now;
+  schedule(now);
+  return status_.channels;
+}
+
+void BridgeCore::notePeriod(double now) {
+  if (!std::isfinite(last_tick_)) return;
+  const double period = now - last_tick_;
+  const double missed = std::abs(period - wanted_period_);
+  std::size_t bin = 0;
+  while (bin < HISTOGRAM_EDGES.size() && missed >= HISTOGRAM_EDGES[bin]) ++bin;
+  ++status_.period_histogram[bin];
+  if (now - worst_since_ > 0.5) {
+    worst_before_ = worst_now_;
+    worst_now_ = 0;
+    worst_since_ = now;
+  }
+  worst_now_ = std::max(worst_now_, period);
+  status_.period_worst = std::max(worst_now_, worst_before_);
+  if (active() && period > settings_.stall_limit) latch(Fault::LOOP_STALLED, micros(period));
+}
+
+void BridgeCore::watch(double now) {
+  const double silence = now - last_heartbeat_;
+  if (silence > settings_.heartbeat_timeout) return latch(Fault::HEARTBEAT_LOST, micros(silence));
+  if (!status_.controller.connected || now - last_written_ > settings_.line_timeout) {
+    return latch(Fault::LINE_LOST, 0);
+  }
+  if (status_.controller.readback) watchController(now);
+}
+
+void BridgeCore::watchController(double now) {
+  const ControllerState& controller = status_.controller;
+  if (controller.failsafe) return latch(Fault::CONTROLLER_FAILSAFE, controller.arming_flags);
+  const double age = now - controller.status_time;
+  if (age > settings_.telemetry_timeout) return latch(Fault::TELEMETRY_LOST, micros(age));
+  if (controller.status_time > armed_since_) {
+    if (controller.armed) {
+      controller_was_armed_ = true;
+    } else if (controller_was_armed_) {
+      return latch(Fault::CONTROLLER_DISARMED, controller.arming_flags);
+    }
+  }
+  if (!controller_was_armed_ && now - armed_since_ > settings_.arm_timeout) {
+    return latch(Fault::CONTROLLER_NOT_ARMING, controller.arming_flags);
+  }
+  const bool settled = status_.commanded_throttle <= 0.0 && controller.motor_time > low_since_ + settings_.motor_check_delay;
+  if (settled && controller.motor_max > settings_.motor_idle_limit) {
+    latch(Fault::MOTORS_DISAGREE, controller.motor_max);
+  }
+}
+
+void BridgeCore::advancePulse(double now) {
+  if (status_.state == BridgeState::PULSE && now >= pulse_end_ - TIME_SLACK) status_.state = BridgeState::ARMED;
+  if (!has_pending_) return;
+  has_pending_ = false;
+  const double age = now - pending_.stamp.time;
+  if (age > std::min(settings_.max_age, pending_.stamp.expiry)) {
+    refuse(Refusal::STALE, micros(age));
+    return;
+  }
+  status_.state = BridgeState::PULSE;
+  pulse_start_ = now;
+  pulse_end_ = now + pending_.duration;
+  status_.latency_worst = std::max(status_.latency_worst, age);
+}
+
+void BridgeCore::composeChannels(double now) {
+  const bool was_low = status_.commanded_throttle <= 0.0;
+  status_.channels = safeChannels();
+  status_.commanded_throttle = 0.0;
+  if (active()) status_.channels.us[AUX1] = CHANNEL_HIGH;
+  if (status_.state == BridgeState::PULSE) {
+    const double rise = settings_.throttle_rise;
+    const double ceiling = rise > 0.0 ? (now - pulse_start_ + settings_.frame_period) / rise : 1.0;
+    status_.commanded_throttle = std::clamp(pending_.throttle, 0.0, std::min(settings_.max_throttle, ceiling));
+    status_.channels.us[THROTTLE] = travelToMicroseconds(status_.commanded_throttle);
+    if (pending_.mixed) {
+      status_.channels.us[PITCH] =
+          stickToMicroseconds(std::clamp(pending_.pitch, -settings_.max_pitch, settings_.max_pitch));
+    }
+  }
+  if (!was_low && status_.commanded_throttle <= 0.0) low_since_ = now;
+}
+
+void BridgeCore::schedule(double now) {
+  const double period = settings_.frame_period;
+  double next = next_frame_ + period;
+  while (next < now + 0.5 * period) next += period;  // late: skip grid points, never send a burst
+  if (status_.state == BridgeState::PULSE && next > pulse_end_ - MIN_GAP) next = std::max(pulse_end_, now + MIN_GAP);
+  next_frame_ = next;
+  wanted_period_ = next - now;
+}
+
+void BridgeCore::onSent(bool written, double now) {
+  if (written) {
+    ++status_.frames_sent;
+    last_written_ = now;
+  } else {
+    ++status_.frames_dropped;
+  }
+}
+
+}  // namespace snapwing::link
