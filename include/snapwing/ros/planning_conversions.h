@@ -1,0 +1,20 @@
+#pragma once
+/// Predictions and plans of the core -> messages, and the parameters that predictor and planner share.
+
+#include <snapwing/SnapPrediction.h>
+#include <snapwing/TransitionPlan.h>
+
+#include "snapwing/planning/pulse_planner.h"
+#include "snapwing/rom/trial.h"
+#include "snapwing/ros/params.h"
+
+namespace snapwing::nodes {
+
+SnapPrediction toMessage(const rom::SnapPrediction& prediction);
+/// The header is left empty.
+TransitionPlan toMessage(const planning::TransitionPlan& plan);
+
+/// Keys `mount` (free, boom, held), `gravity` [m/s2] and `horizon` [s]. @throws common::Error
+rom::Trial readTrial(Params& params);
+
+}  // namespace snapwing::nodes
