@@ -32,7 +32,7 @@ struct LumpedState {
 
 struct LumpedSettings {
   double step = 5e-4;            ///< [s] largest step, (0, 0.01]
-  double friction_speed = 0.02;  ///< [m/s] Coulomb friction is friction * tanh(v / friction_speed)
+  double friction_speed = 0.02;  ///< [m/s] Coulomb friction is friction * v / sqrt(v^2 + friction_speed^2)
   /// Settled: thrust and command at rest and the energy of the relative motion above its minimum below this share of
   /// the smaller barrier, (0, 1)
   double settled_share = 0.02;

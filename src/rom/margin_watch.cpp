@@ -1,0 +1,179 @@
+#include "margin_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace snapwing::rom {
+
+namespace {
+
+/// Travel within a step as the cubic through both ends' travel and rate; s in [0, 1].
+struct StepCubic {
+  double u0, w0, u1, w1, dt;
+  StepCubic(const LumpedState& a, const LumpedState& b)
+      : u0(a.travel), w0(a.travelRate()), u1(b.travel), w1(b.travelRate()), dt(b.time - a.time) {}
+  double travel(double s) const {
+    const double r = 1.0 - s;
+    return r * r * (1.0 + 2.0 * s) * u0 + s * r * r * dt * w0 + s * s * (3.0 - 2.0 * s) * u1 - s * s * r * dt * w1;
+  }
+  double rate(double s) const {
+    const double r = 1.0 - s;
+    return 6.0 * s * r * (u1 - u0) / dt + r * (1.0 - 3.0 * s) * w0 + s * (3.0 * s - 2.0) * w1;
+  }
+};
+
+/// Zero of a function that changes sign on [0, 1], to rounding of the step's share.
+template <typename Function>
+double bisectShare(const Function& function) {
+  double low = 0, high = 1;
+  const bool rising = function(0.0) < 0;
+  for (int i = 0; i < 52; ++i) {
+    const double middle = 0.5 * (low + high);
+    ((function(middle) < 0) == rising ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+constexpr double LARGEST_MARGIN = 10.0;
+constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::Mode start, const LumpedState& first)
+    : model_(model),
+      trial_(trial),
+      equilibria_(model.potential().equilibria()),
+      basins_(model.potential()),
+      start_(start),
+      target_(common::otherMode(start)),
+      mass_(model.relativeMass(trial.mount)),
+      last_(first),
+      last_load_(model.relativeLoad(first, trial)),
+      side_(sideOf(first.travel, last_load_)),
+      peak_(first.travel),
+      least_(first.travel),
+      peak_speed_(std::abs(first.ring_speed)),
+      crossing_time_(NONE),
+      entry_(INFINITY),
+      hold_(INFINITY) {}
+
+double MarginWatch::barrierUnder(double load) const {
+  double travel = 0;
+  if (basins_.barrier(load, &travel)) return travel;
+  return load > 0 ? equilibria_.peak_travel : equilibria_.valley_travel;
+}
+
+common::Mode MarginWatch::sideOf(double travel, double load) const {
+  if (travel <= equilibria_.peak_travel) return common::Mode::FIXED_WING;
+  if (travel >= equilibria_.valley_travel) return common::Mode::QUADROTOR;
+  return travel < barrierUnder(load) ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
+}
+
+double MarginWatch::barrierOf(common::Mode side) const {
+  return side == common::Mode::FIXED_WING ? equilibria_.barrier_first : equilibria_.barrier_second;
+}
+
+void MarginWatch::enter(common::Mode side, double rate, double load) {
+  const bool by_motion = (side == common::Mode::QUADROTOR) == (rate > 0);
+  // Without a barrier under this load, what the load has left over counts along the falling branch.
+  double excess = 0;
+  if (load > equilibria_.peak_force) {
+    excess = (load - equilibria_.peak_force) * (equilibria_.barrier - equilibria_.peak_travel);
+  } else if (load < equilibria_.valley_force) {
+    excess = (equilibria_.valley_force - load) * (equilibria_.valley_travel - equilibria_.barrier);
+  }
+  side_ = side;
+  entry_ = by_motion ? (0.5 * mass_ * rate * rate + excess) / barrierOf(common::otherMode(side)) : INFINITY;
+  hold_ = INFINITY;
+}
+
+void MarginWatch::turn(double travel, double rate_before, double load) {
+  peak_ = std::max(peak_, travel);
+  least_ = std::min(least_, travel);
+  const bool towards_barrier = (side_ == common::Mode::FIXED_WING) == (rate_before > 0);
+  if (towards_barrier) hold_ = std::min(hold_, basins_.clearance(side_, travel, 0.0, load) / barrierOf(side_));
+}
+
+void MarginWatch::add(const LumpedState& next) {
+  const double load = model_.relativeLoad(next, trial_);
+  const StepCubic cubic(last_, next);
+  const auto load_at = [&](double s) { return last_load_ + s * (load - last_load_); };
+  if ((last_.travel < equilibria_.barrier) != (next.travel < equilibria_.barrier)) {
+    const double s = bisectShare([&](double share) { return cubic.travel(share) - equilibria_.barrier; });
+    crossing_time_ = last_.time + s * cubic.dt;
+  }
+  // Turning and passing the loaded barrier, in the order in which they happen.
+  const common::Mode side = sideOf(next.travel, load);
+  const bool turns = (cubic.w0 < 0) != (cubic.w1 < 0) && cubic.w0 != 0;
+  const double turn_at = turns ? bisectShare([&](double s) { return cubic.rate(s); }) : 2.0;
+  double enter_at = 2.0;
+  if (side != side_) {
+    enter_at = bisectShare(
+        [&](double s) { return sideOf(cubic.travel(s), load_at(s)) == common::Mode::FIXED_WING ? -1.0 : 1.0; });
+  }
+  if (turns && turn_at <= enter_at) turn(cubic.travel(turn_at), cubic.w0, load_at(turn_at));
+  if (side != side_) enter(side, cubic.rate(enter_at), load_at(enter_at));
+  if (turns && turn_at > enter_at) turn(cubic.travel(turn_at), cubic.w0, load_at(turn_at));
+  peak_ = std::max(peak_, next.travel);
+  least_ = std::min(least_, next.travel);
+  peak_speed_ = std::max(peak_speed_, std::abs(next.ring_speed));
+  last_ = next;
+  last_load_ = load;
+}
+
+bool MarginWatch::settled(double demand) const {
+  const double full = model_.parameters().max_thrust;
+  if (std::abs(last_.thrust - demand * full) > 1e-3 * full) return false;
+  const common::Mode side = side_;
+  double rest = 0;
+  if (!basins_.equilibrium(side, last_load_, &rest)) return false;
+  const double w = last_.travelRate();
+  const double excess =
+      0.5 * mass_ * w * w + basins_.loadedEnergy(last_.travel, last_load_) - basins_.loadedEnergy(rest, last_load_);
+  const double small =
+      model_.settings().settled_share * std::min(equilibria_.barrier_first, equilibria_.barrier_second);
+  // Slow is not calm: a basin that the load has made shallow holds little.
+  if (excess > std::min(small, 0.25 * basins_.clearance(side, rest, 0.0, last_load_))) return false;
+  // The load moves monotonically from the present one to that of the terminal speed: if the basin holds at both ends,
+  // it holds in between.
+  LumpedState terminal = last_;
+  terminal.thrust = demand * full;
+  if (trial_.mount != Mount::HELD) {
+    const common::VehicleParameters& p = model_.parameters();
+    const bool boom = trial_.mount == Mount::BOOM;
+    const double mass = p.ring_mass + p.centre_mass + (boom ? p.boom_mass : 0.0);
+    const double drag = p.ring_drag + p.centre_drag + (boom ? p.boom_drag : 0.0);
+    const double push = terminal.thrust - mass * trial_.gravity;
+    const double speed = drag > 0 ? std::copysign(std::sqrt(std::abs(push) / drag), push) : last_.centre_speed;
+    terminal.ring_speed = terminal.centre_speed = speed;
+  }
+  double end = 0;
+  return basins_.equilibrium(side, model_.relativeLoad(terminal, trial_), &end);
+}
+
+void MarginWatch::finish(bool settled, SnapPrediction* out) const {
+  out->end_mode = settled ? side_ : common::Mode::UNKNOWN;
+  out->snapped = settled && side_ == target_;
+  out->snap_time = crossing_time_;
+  out->peak_travel = peak_;
+  out->least_travel = least_;
+  out->peak_speed = peak_speed_;
+  out->end_travel = last_.travel;
+  const common::VehicleParameters& p = model_.parameters();
+  const double ring = p.ring_mass + (trial_.mount == Mount::BOOM ? p.boom_mass : 0.0);
+  out->end_speed = (ring * last_.ring_speed + p.centre_mass * last_.centre_speed) / (ring + p.centre_mass);
+  if (trial_.mount == Mount::HELD) out->end_speed = last_.ring_speed;
+  out->out_of_table = !model_.potential().inTable(peak_) || !model_.potential().inTable(least_);
+
+  if (!settled) {
+    out->energy_margin = -1.0;
+    return;
+  }
+  const double w = last_.travelRate();
+  const double here = basins_.clearance(side_, last_.travel, 0.5 * mass_ * w * w, last_load_) / barrierOf(side_);
+  const double distance = std::clamp(std::min({entry_, hold_, here}), 0.0, LARGEST_MARGIN);
+  out->energy_margin = side_ == target_ ? distance : -distance;
+}
+
+}  // namespace snapwing::rom

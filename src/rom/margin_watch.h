@@ -1,0 +1,47 @@
+#pragma once
+/// Watches a trajectory step by step: extremes of travel, crossings of the barrier, and the energy margin. Private to
+/// the floor; docs/reduced_model.md defines the margin.
+
+#include "snapwing/rom/loaded_basins.h"
+#include "snapwing/rom/lumped_model.h"
+
+namespace snapwing::rom {
+
+class MarginWatch {
+ public:
+  MarginWatch(const LumpedModel& model, const Trial& trial, common::Mode start, const LumpedState& first);
+
+  /// Takes the step from the last state seen to `next`.
+  void add(const LumpedState& next);
+
+  /// Is the relative motion calm in a basin that holds, now and at the terminal speed under this demand?
+  bool settled(double demand) const;
+
+  /// Fills end mode, times, travels and margin. @param settled what settled() said at the end
+  void finish(bool settled, SnapPrediction* prediction) const;
+
+ private:
+  /// Barrier under a load that is clamped to where there is one.
+  double barrierUnder(double load) const;
+  /// Which side of the loaded barrier u is on.
+  common::Mode sideOf(double travel, double load) const;
+  double barrierOf(common::Mode side) const;
+  void enter(common::Mode side, double rate, double load);
+  void turn(double travel, double rate_before, double load);
+
+  const LumpedModel& model_;
+  const Trial& trial_;
+  const Equilibria& equilibria_;
+  LoadedBasins basins_;
+  common::Mode start_, target_;
+  double mass_;
+  LumpedState last_;
+  double last_load_;
+  common::Mode side_;  ///< of the loaded barrier
+  double peak_, least_, peak_speed_;
+  double crossing_time_;  ///< [s] last crossing of the unloaded barrier; NaN = none
+  double entry_;          ///< [1] energy by which the present side was entered
+  double hold_;           ///< [1] smallest clearance at turning points since then
+};
+
+}  // namespace snapwing::rom

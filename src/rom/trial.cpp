@@ -1,0 +1,47 @@
+#include "snapwing/rom/trial.h"
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::rom {
+
+Mount mountFromName(const std::string& text) {
+  if (text == "free") return Mount::FREE;
+  if (text == "boom") return Mount::BOOM;
+  if (text == "held") return Mount::HELD;
+  throw common::Error("mount is '" + text + "'; allowed: free, boom, held");
+}
+
+std::string mountName(Mount mount) {
+  switch (mount) {
+    case Mount::FREE:
+      return "free";
+    case Mount::BOOM:
+      return "boom";
+    case Mount::HELD:
+      break;
+  }
+  return "held";
+}
+
+namespace {
+void require(bool good, const char* name, double value, const char* allowed) {
+  if (!good)
+    throw common::Error(std::string("trial: ") + name + " is " + std::to_string(value) + "; allowed: " + allowed);
+}
+void requireShare(const char* name, const std::optional<double>& share) {
+  if (share) require(*share >= 0.0 && *share <= 1.0, name, *share, "0 .. 1");
+}
+}  // namespace
+
+void Trial::validate() const {
+  require(std::abs(gravity) <= 100.0, "gravity", gravity, "-100 .. 100 m/s2");
+  require(std::abs(initial_speed) <= 200.0, "initial_speed", initial_speed, "-200 .. 200 m/s");
+  require(mount != Mount::HELD || initial_speed == 0.0, "initial_speed", initial_speed, "0 when the ring is held");
+  require(horizon > 0.0 && horizon <= 60.0, "horizon", horizon, "above 0, up to 60 s");
+  requireShare("initial_thrust_fraction", initial_thrust_fraction);
+  requireShare("final_thrust_fraction", final_thrust_fraction);
+}
+
+}  // namespace snapwing::rom
