@@ -47,7 +47,8 @@ double secondStiffness(const ForceTable& table) {
   const double t = (features.second_travel - table.travel[k]) / h;
   // Slope of the cubic through both forces and stiffnesses.
   const double stiffness = 6.0 * t * (1.0 - t) * (table.force[k + 1] - table.force[k]) / h +
-                           (1.0 - t) * (1.0 - 3.0 * t) * table.stiffness[k] + t * (3.0 * t - 2.0) * table.stiffness[k + 1];
+                           (1.0 - t) * (1.0 - 3.0 * t) * table.stiffness[k] +
+                           t * (3.0 * t - 2.0) * table.stiffness[k + 1];
   if (!(stiffness > 0)) throw Error("stiffness at the second equilibrium is not positive; refine the force table");
   return stiffness;
 }

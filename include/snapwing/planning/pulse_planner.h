@@ -19,20 +19,33 @@ namespace snapwing::planning {
 struct PlannerSettings {
   double throttle_min = 0.10;  ///< [1] stick travel
   double throttle_max = 1.0;   ///< [1]
-  double duration_min = 0.06;  ///< [s]
+  double duration_min = 0.10;  ///< [s] five frames of a 50 Hz stream
   double duration_max = 1.2;   ///< [s]
-  int scan_throttles = 14;     ///< coarse scan's grid
-  int scan_durations = 14;
-  int search_samples = 64;        ///< realisations during the search, beside the corners
+  int scan_throttles = 15;     ///< coarse scan's grid
+  int scan_durations = 15;
+  int search_samples = 64;        ///< realisations during the search, beside corners
   int verify_samples = 512;       ///< fresh realisations for the final check
+  int corner_parameters = 4;      ///< every corner of this many parameters that matter most is checked as well, 0 .. 8
   int refine_evaluations = 60;    ///< of NLopt, at most
   double required_margin = 0.05;  ///< [1] worst margin that a plan must have, in units of the barrier
+  double enough_margin = 0.30;    ///< [1] worst margin beyond which a weaker and shorter pulse is preferred
   double required_share = 1.0;    ///< [1] share of the realisations that must end in the target mode
-  /// [1/s] margin given up for a pulse that is one second shorter: prefers short pulses when margins tie
-  double duration_price = 0.02;
-  int threads = 2;  ///< the result is the same for any number
+  /// [1/s] margin that one second of full throttle must bring: prefers weak and short pulses when margins tie
+  double impulse_price = 0.05;
+  /// Uncertain pulse length in frames of the radio: start and end fall anywhere within a frame
+  double frame_jitter = 1.0;
+  bool allow_out_of_table = false;  ///< accept pulses whose travel leaves the table or the vehicle's limits
+  int threads = 2;                  ///< the result is the same for any number
   rom::LumpedSettings model;
-  void validate() const;  ///< @throws common::Error naming the member
+  double model_step = 1e-3;  ///< [s] step of the model in the search; the check uses `model`'s
+  void validate() const;     ///< @throws common::Error naming the member
+};
+
+/// Effect of one uncertain number on the margin of a pulse, all others nominal.
+struct ParameterInfluence {
+  std::string name;
+  double low_margin = 0;   ///< [1] margin with the number at its low end
+  double high_margin = 0;  ///< [1] at its high end
 };
 
 /// Members follow msg/TransitionPlan.msg.
@@ -46,13 +59,18 @@ struct TransitionPlan {
   double worst_margin = 0;     ///< [1]
   double share_switched = 0;   ///< [1]
   int realisations = 0;
-  double compute_seconds = 0;
+  double compute_seconds = 0;  ///< filled by callers that measure it
   rom::SnapPrediction nominal;
   rom::SnapPrediction worst;
   common::VehicleParameters worst_parameters;
-  std::vector<double> worst_coordinates;  ///< in [-1, 1], one per common::uncertainNames()
-  int evaluations = 0;                    ///< pulses tried
-  long predictions = 0;                   ///< trials integrated
+  std::vector<double> worst_coordinates;  ///< in [-1, 1], one per plannerCoordinateNames()
+  /// Parameters by their effect on the margin at this pulse, largest first.
+  std::vector<ParameterInfluence> influences;
+  /// [1] margin of the one vertex of the box where each parameter takes the end that hurts: far less probable than
+  /// any realisation checked, hence for information only
+  double vertex_margin = 0;
+  int evaluations = 0;   ///< pulses tried
+  long predictions = 0;  ///< trials integrated
 };
 
 /// One cell of the outcome map.
@@ -91,11 +109,9 @@ class PulsePlanner {
   common::Vehicle vehicle_;
   common::ForceTable table_;
   PlannerSettings settings_;
-  std::vector<std::vector<double>> search_points_, verify_points_;  ///< coordinates of the box
 };
 
-/// Deterministic points of [-1, 1]^dimension: the centre, then corners that matter, then a shifted Halton sequence.
-/// @param first  index of the first Halton point: disjoint ranges give fresh points
-std::vector<std::vector<double>> boxPoints(int dimension, int halton_points, int first);
+/// Names of the planner's coordinates: common::uncertainNames() and the pulse's length.
+std::vector<std::string> plannerCoordinateNames();
 
 }  // namespace snapwing::planning

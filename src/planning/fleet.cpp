@@ -1,0 +1,101 @@
+#include "fleet.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace snapwing::planning {
+
+void parallelFor(int count, int threads, const std::function<void(int)>& body) {
+  if (threads <= 1 || count <= 1) {
+    for (int i = 0; i < count; ++i) body(i);
+    return;
+  }
+  std::atomic<int> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    try {
+      for (int i = next++; i < count; i = next++) body(i);
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+      next = count;
+    }
+  };
+  std::vector<std::thread> pool;
+  for (int k = 1; k < std::min(threads, count); ++k) pool.emplace_back(work);
+  work();
+  for (std::thread& thread : pool) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+Fleet::Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings,
+             double step)
+    : vehicle_(vehicle), table_(table), settings_(settings), model_settings_(settings.model), spline_(table) {
+  model_settings_.step = step;
+}
+
+void Fleet::add(const BoxPoint& point) {
+  const BoxPoint parameters(point.begin(), point.end() - 1);
+  const common::VehicleParameters p = common::realise(vehicle_, table_, parameters);
+  const double idle = common::thrustFraction(p.quadratic_share, common::motorOutput(vehicle_.radio, 0.0));
+  models_.emplace_back(std::make_shared<rom::EnergySpline>(spline_.withForceScale(p.force_scale)), p, idle,
+                       model_settings_);
+  points_.push_back(point);
+}
+
+void Fleet::add(const std::vector<BoxPoint>& points) {
+  for (const BoxPoint& point : points) add(point);
+}
+
+common::Pulse Fleet::received(int index, const common::Pulse& pulse) const {
+  const double error = points_[index].back() * settings_.frame_jitter / vehicle_.radio.frame_rate;
+  return {pulse.throttle, std::max(0.0, pulse.duration + error)};
+}
+
+rom::SnapPrediction Fleet::predict(int index, common::Mode start, const common::Pulse& pulse,
+                                   const rom::Trial& trial) const {
+  return models_[index].predict(start, received(index, pulse), vehicle_.radio, trial);
+}
+
+double Fleet::margin(const rom::SnapPrediction& prediction) const {
+  if (settings_.allow_out_of_table) return prediction.energy_margin;
+  // Beyond the table or the stops by 10 mm costs as much as missing the whole barrier.
+  const double high = std::min(vehicle_.limits.travel_max, spline_.highest());
+  const double low = std::max(vehicle_.limits.travel_min, spline_.lowest());
+  const double beyond = std::max(prediction.peak_travel - high, low - prediction.least_travel);
+  return beyond > 0 ? std::min(prediction.energy_margin, -beyond / 0.010) : prediction.energy_margin;
+}
+
+FleetOutcome Fleet::tryPulse(common::Mode start, const common::Pulse& pulse, const rom::Trial& trial, double give_up,
+                             int threads) const {
+  constexpr int BLOCK = 16;
+  FleetOutcome outcome;
+  outcome.worst = INFINITY;
+  std::vector<double> margins(BLOCK);
+  std::vector<char> switched(BLOCK);
+  for (int first = 0; first < size(); first += BLOCK) {
+    const int count = std::min(BLOCK, size() - first);
+    parallelFor(count, threads, [&](int i) {
+      const rom::SnapPrediction prediction = predict(first + i, start, pulse, trial);
+      margins[i] = margin(prediction);
+      switched[i] = prediction.snapped;
+    });
+    for (int i = 0; i < count; ++i) {
+      outcome.switched += switched[i];
+      ++outcome.tried;
+      if (margins[i] < outcome.worst) {
+        outcome.worst = margins[i];
+        outcome.worst_index = first + i;
+      }
+    }
+    if (outcome.worst < give_up) break;
+  }
+  return outcome;
+}
+
+}  // namespace snapwing::planning

@@ -1,0 +1,61 @@
+#pragma once
+/// A fleet of vehicles, one for each point of the uncertainty box, on which pulses are tried. Private to the floor.
+
+#include <vector>
+
+#include "snapwing/common/pulse.h"
+#include "snapwing/planning/pulse_planner.h"
+#include "snapwing/planning/uncertainty_points.h"
+#include "snapwing/rom/energy_spline.h"
+
+namespace snapwing::planning {
+
+/// Runs body(0) .. body(count - 1) on some threads; what body writes per index does not depend on their number.
+void parallelFor(int count, int threads, const std::function<void(int)>& body);
+
+/// Outcome of one pulse over a fleet.
+struct FleetOutcome {
+  double worst = 0;     ///< smallest margin among those tried
+  int worst_index = 0;  ///< who had it
+  int switched = 0;     ///< how many ended in the target mode
+  int tried = 0;
+};
+
+class Fleet {
+ public:
+  /// @param step  of the model [s]
+  Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings, double step);
+
+  /// A fleet of the same kind without vehicles.
+  Fleet emptyCopy() const { return Fleet(vehicle_, table_, settings_, model_settings_.step); }
+
+  /// Adds a vehicle. Its last coordinate is the pulse's length error, in frame_jitter frames.
+  void add(const BoxPoint& point);
+  void add(const std::vector<BoxPoint>& points);
+
+  int size() const { return static_cast<int>(models_.size()); }
+  const BoxPoint& point(int index) const { return points_[index]; }
+  const rom::LumpedModel& model(int index) const { return models_[index]; }
+  const std::vector<BoxPoint>& points() const { return points_; }
+
+  /// The pulse as this vehicle's motors see it.
+  common::Pulse received(int index, const common::Pulse& pulse) const;
+  rom::SnapPrediction predict(int index, common::Mode start, const common::Pulse& pulse, const rom::Trial& trial) const;
+  /// Margin that counts: the model's, or less if the travel leaves what is known.
+  double margin(const rom::SnapPrediction& prediction) const;
+
+  /// Tries a pulse on all vehicles, in order; gives up after a block whose worst is below `give_up`.
+  FleetOutcome tryPulse(common::Mode start, const common::Pulse& pulse, const rom::Trial& trial, double give_up,
+                        int threads) const;
+
+ private:
+  const common::Vehicle& vehicle_;
+  const common::ForceTable& table_;
+  const PlannerSettings& settings_;
+  rom::LumpedSettings model_settings_;
+  rom::EnergySpline spline_;
+  std::vector<BoxPoint> points_;
+  std::vector<rom::LumpedModel> models_;
+};
+
+}  // namespace snapwing::planning

@@ -1,0 +1,40 @@
+#include <cmath>
+#include <string>
+
+#include "snapwing/common/error.h"
+#include "snapwing/planning/pulse_planner.h"
+
+namespace snapwing::planning {
+
+namespace {
+void require(bool good, const char* name, double value, const char* allowed) {
+  if (!good) {
+    throw common::Error(std::string("planner: ") + name + " is " + std::to_string(value) + "; allowed: " + allowed);
+  }
+}
+}  // namespace
+
+void PlannerSettings::validate() const {
+  require(throttle_min >= 0 && throttle_min < throttle_max, "throttle_min", throttle_min, "0 .. below throttle_max");
+  require(throttle_max <= 1, "throttle_max", throttle_max, "up to 1");
+  require(duration_min >= 0 && duration_min < duration_max, "duration_min", duration_min, "0 .. below duration_max, s");
+  require(duration_max <= 10, "duration_max", duration_max, "up to 10 s");
+  require(scan_throttles >= 2 && scan_throttles <= 1000, "scan_throttles", scan_throttles, "2 .. 1000");
+  require(scan_durations >= 2 && scan_durations <= 1000, "scan_durations", scan_durations, "2 .. 1000");
+  require(search_samples >= 1 && search_samples <= 100000, "search_samples", search_samples, "1 .. 100000");
+  require(verify_samples >= 1 && verify_samples <= 1000000, "verify_samples", verify_samples, "1 .. 1000000");
+  require(corner_parameters >= 0 && corner_parameters <= 8, "corner_parameters", corner_parameters, "0 .. 8");
+  require(refine_evaluations >= 0 && refine_evaluations <= 100000, "refine_evaluations", refine_evaluations,
+          "0 .. 100000");
+  require(std::isfinite(required_margin) && required_margin >= 0, "required_margin", required_margin, "0 or more");
+  require(std::isfinite(enough_margin) && enough_margin >= required_margin, "enough_margin", enough_margin,
+          "required_margin or more");
+  require(required_share > 0 && required_share <= 1, "required_share", required_share, "above 0, up to 1");
+  require(std::isfinite(impulse_price) && impulse_price >= 0, "impulse_price", impulse_price, "0 or more, 1/s");
+  require(frame_jitter >= 0 && frame_jitter <= 10, "frame_jitter", frame_jitter, "0 .. 10 frames");
+  require(threads >= 1 && threads <= 256, "threads", threads, "1 .. 256");
+  require(model_step > 0 && model_step <= 0.01, "model_step", model_step, "above 0, up to 0.01 s");
+  model.validate();
+}
+
+}  // namespace snapwing::planning
