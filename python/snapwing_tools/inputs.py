@@ -28,11 +28,14 @@ class ForceTable:
         self.provenance = {}
 
     def shape_at(self, travel):
-        """Loops of the arm's outline at the stored point nearest to `travel`, and that point's travel."""
+        """Loops of the arm's outline at a travel (linear between stored points, clamped to the table), and the travel
+        that is shown."""
         if not self.moved:
-            return None, math.nan
-        index = int(np.argmin(np.abs(self.travel - travel)))
-        return self.moved[index], float(self.travel[index])
+            return [], math.nan
+        shown = float(np.clip(travel, self.travel[0], self.travel[-1]))
+        upper = int(np.clip(np.searchsorted(self.travel, shown), 1, len(self.travel) - 1))
+        share = (shown - self.travel[upper - 1]) / (self.travel[upper] - self.travel[upper - 1])
+        return [(1 - share) * low + share * high for low, high in zip(self.moved[upper - 1], self.moved[upper])], shown
 
 
 def require_file(path):
@@ -59,9 +62,11 @@ def _parse_table(path, file):
         setattr(table, name, _table_array(path, file, name, unit))
     table.arm_count = int(_table_array(path, file, "arm_count", "1")[0])
     points = len(table.travel)
+    if points < 2 or np.any(np.diff(table.travel) <= 0):
+        raise InputError("{}: travel must have two points or more and increase".format(path))
     for name in ("force", "energy", "rotation", "stable"):
         if len(getattr(table, name)) != points:
-            raise InputError("{}: {} has {} entries, travel has {}".format(path, name, len(getattr(table, name)), points))
+            raise InputError("{}: {} and travel differ in length".format(path, name))
     sizes = _table_array(path, file, "shapes/loop_sizes", "1").astype(int)
     rest = _table_array(path, file, "shapes/rest", "m")
     moved = _table_array(path, file, "shapes/moved", "m")
@@ -159,7 +164,7 @@ def read_trajectory(path):
 
 
 def read_summary(path):
-    """run_summary.json of the scenario: {"switches": [{"name", "ok", "reason", "start", ...}], "ok", "reason", "rung"}."""
+    """run_summary.json of the scenario: {"switches": [{"name", "ok", "reason", ...}], "ok", "reason", "rung"}."""
     require_file(path)
     try:
         with open(path, encoding="utf-8") as file:

@@ -8,6 +8,24 @@ from snapwing_tools.plots import arrow
 from snapwing_tools.text_format import difference, number
 
 
+_CAPTIONS = {
+    "curve": "Force of all arms against the travel of the housing (model: {}). Circles: stable equilibria; diamond: "
+             "the unstable one between them.",
+    "shapes": "Outline of one arm as the solver found it; the point is the axle. The housing is at the left and moves "
+              "down.",
+    "maps": "Each cell is one pulse, checked with the reduced model over the uncertainty of the vehicle file. Ring: "
+            "the pulse that was sent.",
+    "travel": "Prediction: the nominal vehicle with the pulse as commanded. Band: the estimator's deviation.",
+    "no trajectory": "The predicted trajectory is not available; the plan's numbers are marked instead.",
+    "frames": "Every frame of the bridge that was recorded, with what the flight controller reported.",
+    "mode": "As estimated from what the vehicle measures; the truth is shown for comparison only.",
+}
+
+
+def _file_name(switch):
+    return "travel_" + "".join(c if c.isalnum() else "_" for c in switch.name.replace("->", "_to_")).strip("_")
+
+
 class Inputs:
     """Everything that a report may be made from; only `run` is needed."""
 
@@ -49,29 +67,25 @@ class Report:
     def figures(self):
         """(name, title, caption, figure) in the order of the page; figures whose data is missing are left out."""
         run, found = self.inputs.run, []
-        curve = run.latched.get("force_curve")
+        curve, arm = run.latched.get("force_curve"), run.latched.get("arm_geometry")
         if curve is not None and len(curve["travel"]) > 1:
-            found.append(("force_curve", "Force and displacement", "Force of all arms against the travel of the housing "
-                          "(model: {}); circles: stable equilibria, diamond: the unstable one between them.".format(
-                              self.curve_rung), plots.force_curve(curve)))
+            found.append(("force_curve", "Force and displacement", _CAPTIONS["curve"].format(self.curve_rung),
+                          plots.force_curve(curve)))
         shapes = self._shape_entries(curve)
         if shapes:
-            found.append(("arm_shapes", "The arm as it snaps", "Outline of one arm as the solver found it; the point is "
-                          "the axle. The housing is at the left and moves down.", plots.arm_shapes(
-                              shapes, run.latched.get("arm_geometry"))))
+            found.append(("arm_shapes", "The arm as it snaps", _CAPTIONS["shapes"], plots.arm_shapes(shapes, arm)))
         if self.inputs.maps:
-            found.append(("outcome_maps", "What pulses do", "Each cell is one pulse, checked with the reduced model over "
-                          "the uncertainty of the vehicle file. Ring: the pulse that was chosen.", self._maps()))
+            found.append(("outcome_maps", "What pulses do", _CAPTIONS["maps"], self._maps()))
         for switch in self.switches:
-            name = "travel_" + switch.name.replace("->", "_to_").replace("? ", "").strip("()")
-            found.append((name.replace(" ", "_"), "Switch " + arrow(switch.name), self._travel_caption(switch),
-                          plots.travel(run, switch, self.inputs.trajectories.get(switch.name))))
+            trajectory = self.inputs.trajectories.get(switch.name)
+            found.append((_file_name(switch), "Switch " + arrow(switch.name),
+                          _CAPTIONS["travel" if trajectory is not None else "no trajectory"],
+                          plots.travel(run, switch, trajectory)))
         if run.has("link_status"):
-            found.append(("frames", "Commanded and sent", "One point per frame of the bridge, with what the flight "
-                          "controller reported.", plots.frames(run, self.switches)))
+            found.append(("frames", "Commanded and sent", _CAPTIONS["frames"], plots.frames(run, self.switches)))
         if run.has("mode_state"):
-            found.append(("mode_probability", "Which mode it is in", "As estimated from what the vehicle measures; the "
-                          "truth is shown for comparison only.", plots.mode_probability(run, self.switches)))
+            found.append(("mode_probability", "Which mode it is in", _CAPTIONS["mode"],
+                          plots.mode_probability(run, self.switches)))
         if self.statistics is not None and len(self.statistics.periods):
             found.append(("link", "The link", "", plots.link(self.statistics)))
         return found
@@ -93,11 +107,6 @@ class Report:
                 switch.throttle * 100, switch.duration * 1e3)) for switch in self.switches if switch.name == name]
             entries.append((name, outcome, pulses))
         return plots.outcome_maps(entries)
-
-    def _travel_caption(self, switch):
-        if switch.name in self.inputs.trajectories:
-            return "Prediction: nominal vehicle, made before the pulse was sent; band: the estimator's deviation."
-        return "The predicted trajectory is not available; the plan's numbers are marked instead."
 
     def html(self, figures):
         """The page. `figures` is what figures() gave; they are closed by this."""
@@ -123,9 +132,9 @@ def missing_notes(inputs, switches):
             analysis.last_time(run)))
     for switch in switches:
         if switch.plan is None and run.has("transition_plan"):
-            notes.append("{}: no accepted plan belongs to this pulse, so nothing was predicted.".format(arrow(switch.name)))
+            notes.append("{}: no accepted plan belongs to this pulse, so nothing was predicted.".format(switch.name))
         if switch.true is not None and switch.true.end_mode is None:
-            notes.append("{}: the record ends too soon after the pulse to tell the end mode.".format(arrow(switch.name)))
+            notes.append("{}: the record ends too soon after the pulse to tell the end mode.".format(switch.name))
     if inputs.summary is None:
         notes.append("No summary of the scenario was given; what happened is judged from the record alone.")
     curve = run.latched.get("force_curve")
@@ -157,6 +166,9 @@ def provenance_rows(inputs):
     return rows
 
 
+_COLUMNS = "    {:36s}{:>12s}{:>12s}{:>12s}{:>12s}"
+
+
 def terminal_summary(report, output=""):
     """The same in plain text."""
     lines = ["snapwing report"]
@@ -167,19 +179,19 @@ def terminal_summary(report, output=""):
         lines.append("")
         lines.append("  {}  throttle {:.0f} %, {:.0f} ms, commanded at {:.2f} s".format(
             switch.name, switch.throttle * 100, switch.duration * 1e3, switch.start))
-        lines.append("    {:36s}{:>12s}{:>12s}{:>12s}{:>12s}".format("", "predicted", "worst case", "happened", "difference"))
+        lines.append(_COLUMNS.format("", "predicted", "worst case", "happened", "difference"))
         for label, unit, nominal, worst, happened in analysis.comparison_rows(switch):
-            lines.append("    {:36s}{:>12s}{:>12s}{:>12s}{:>12s}".format(
-                label, number(nominal, unit), number(worst, unit), number(happened, unit),
-                difference(unit, nominal, happened)))
+            lines.append(_COLUMNS.format(label, number(nominal, unit), number(worst, unit), number(happened, unit),
+                                         difference(unit, nominal, happened)))
     link = report.statistics
     if link is not None:
         lines.append("")
-        lines.append("  link: {} frames, period median {:.1f} ms, worst {:.1f} ms, {} over {:.0f} ms, {} not seen by the recorder, "
-                     "failsafe {:.1f} s".format(link.frames, link.median * 1e3, link.worst * 1e3, link.late,
-                                                analysis.LATE_SECONDS * 1e3, link.unseen, link.failsafe_seconds))
-    for text in report.missing + report.verdict.notes + report.inputs.notes:
-        lines.append("  note: " + text)
+        lines.append("  link: {} frames, period median {:.1f} ms, worst {:.1f} ms, {} over {:.0f} ms; {} frames not "
+                     "seen by the recorder; {:.1f} s of failsafe".format(
+                         link.frames, link.median * 1e3, link.worst * 1e3, link.late, analysis.LATE_SECONDS * 1e3,
+                         link.unseen, link.failsafe_seconds))
+        lines += ["  link fault: " + text for text in link.faults]
+    lines += ["  note: " + text for text in report.missing + report.verdict.notes + report.inputs.notes]
     if output:
         lines.append("  report: " + output)
     return "\n".join(lines)

@@ -20,8 +20,8 @@ _START = {"F": "F->Q", "Q": "Q->F"}
 def parser():
     made = argparse.ArgumentParser(
         prog="make_report", description="Makes a self-contained HTML report of a recorded run.",
-        epilog="Exit code: 0 the report is written, 1 it is written and --require-success was given but not both switches "
-               "are shown to have happened, 2 bad input.")
+        epilog="Exit code: 0 the report is written, 1 it is written and --require-success was given but not both "
+               "switches are shown to have happened, 2 bad input.")
     made.add_argument("run", metavar="RUN.h5", help="recorded run (record_run)")
     made.add_argument("-o", "--output", default="report.html", help="report to write [report.html]")
     made.add_argument("--summary", metavar="JSON", help="run_summary.json of the scenario "
@@ -76,10 +76,12 @@ def gather(options, folder):
         made.files.append(("vehicle", options.vehicle))
     _gather_table(made, options)
     for start, path in options.map:
-        made.maps[_name(start, "--map")] = readers.read_outcome_map(path)
+        name = _name(start, "--map")
+        made.maps[name] = readers.read_outcome_map(path)
         made.files.append(("outcome map from " + start, path))
     for start, path in options.trajectory:
-        made.trajectories[_name(start, "--trajectory")] = readers.read_trajectory(path)
+        name = _name(start, "--trajectory")
+        made.trajectories[name] = readers.read_trajectory(path)
         made.files.append(("trajectory from " + start, path))
     _ask_command_line(made, options, folder)
     return made
@@ -127,7 +129,8 @@ def _ask_command_line(made, options, folder):
                  lambda path=stem + "_map.csv", key=name: made.maps.__setitem__(key, readers.read_outcome_map(path)))
         if name not in made.trajectories and name in pulses:
             pulse = pulses[name]
-            failure = program.trajectory(options.vehicle, name, pulse.throttle, pulse.duration, extra, stem + "_motion.csv")
+            failure = program.trajectory(options.vehicle, name, pulse.throttle, pulse.duration, extra,
+                                         stem + "_motion.csv")
             _try(made, name, "predicted trajectory", failure, lambda path=stem + "_motion.csv", key=name:
                  made.trajectories.__setitem__(key, readers.read_trajectory(path)))
     made.commands += [text.replace(folder + os.sep, "") for text in program.commands]

@@ -159,7 +159,8 @@ def _parse_series(path, group, topic):
     for column in topic.columns:
         data = _read(path, group, column.name, column.unit)
         if len(data) != count:
-            raise InputError("{}: {}/{} has {} rows, time has {}".format(path, group.name, column.name, len(data), count))
+            raise InputError("{}: {}/{} has {} rows, time has {}".format(path, group.name, column.name, len(data),
+                                                                         count))
         columns[column.name] = data
     order = np.argsort(columns["time"], kind="stable")
     return {name: data[order] for name, data in columns.items()}

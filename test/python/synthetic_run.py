@@ -1,4 +1,4 @@
-"""A made-up run for the tests: a small simulation of the vehicle, turned into messages and fed to the recorder's buffer.
+"""A made-up run for the tests: a small simulation of the vehicle, as messages fed to the recorder's buffer.
 
 Nothing here is a reference for the physics; it only has the shape of a real run."""
 
@@ -193,7 +193,8 @@ def write_map(path, name="F->Q"):
         for duration in np.linspace(0.05, 1.0, 20):
             margin = 2 * (throttle - 0.45) if name == "F->Q" else throttle + duration - 1.7
             margin -= 3 * max(0, 0.2 - duration)
-            lines.append("{:.3f},{:.3f},{:.3f},{:.4f}".format(throttle, duration, min(1, max(0, 0.5 + 2 * margin)), margin))
+            share = min(1, max(0, 0.5 + 2 * margin))
+            lines.append("{:.3f},{:.3f},{:.3f},{:.4f}".format(throttle, duration, share, margin))
     with open(path, "w") as file:
         file.write("\n".join(lines) + "\n")
 

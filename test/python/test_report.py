@@ -1,0 +1,276 @@
+"""The report as a user meets it: through the command, with good, partial and bad inputs."""
+
+import contextlib
+import io
+import os
+import re
+import stat
+import tempfile
+import unittest
+from html.parser import HTMLParser
+
+import synthetic_run
+from snapwing_tools import inputs, report_command, style
+from snapwing_tools.errors import InputError
+from snapwing_tools.text_format import difference, number
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+VEHICLE = os.path.join(ROOT, "config", "vehicles", "arris_x220.yaml")
+VOID = {"meta", "path", "use", "image", "rect", "br"}
+
+
+class Checker(HTMLParser):
+    """Sees that tags are closed in order, and collects what would be fetched and the headings."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.wrong, self.fetched, self.headings = [], [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in VOID:
+            self.open.append(tag)
+        self.fetched += [value for name, value in attributes if name in ("src", "href", "xlink:href")
+                         and not value.startswith(("#", "data:"))]
+
+    def handle_startendtag(self, tag, attributes):
+        self.fetched += [value for name, value in attributes if name in ("src", "href", "xlink:href")
+                         and not value.startswith(("#", "data:"))]
+
+    def handle_endtag(self, tag):
+        if tag in VOID:
+            return
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(tag)
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "h2":
+            self.headings.append(data)
+
+
+class Command(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.keep = tempfile.TemporaryDirectory()
+        cls.good = os.path.join(cls.keep.name, "good.h5")
+        synthetic_run.make_buffer().save(cls.good, "closed")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.keep.cleanup()
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.output = self.path("report.html")
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def make(self, *arguments):
+        """Runs the command; (exit code, stdout, stderr)."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = report_command.main([str(argument) for argument in arguments] + ["-o", self.output])
+        return code, out.getvalue(), err.getvalue()
+
+    def page(self):
+        with open(self.output, encoding="utf-8") as file:
+            return file.read()
+
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+        return self.path(name)
+
+    def full(self):
+        synthetic_run.write_force_table(self.path("table.h5"))
+        synthetic_run.write_map(self.path("f.csv"))
+        synthetic_run.write_map(self.path("q.csv"), "Q->F")
+        synthetic_run.write_trajectory(self.path("tf.csv"))
+        synthetic_run.write_trajectory(self.path("tq.csv"), "Q->F")
+        summary = self.write("summary.json", '{"ok": true, "reason": "", "rung": "lumped", "switches": ['
+                             '{"name": "F->Q", "ok": true}, {"name": "Q->F", "ok": true}]}')
+        return ["--vehicle", VEHICLE, "--table", self.path("table.h5"), "--map", "F", self.path("f.csv"), "--map", "Q",
+                self.path("q.csv"), "--trajectory", "F", self.path("tf.csv"), "--trajectory", "Q", self.path("tq.csv"),
+                "--summary", summary]
+
+    def test_full_report(self):
+        code, out, err = self.make(self.good, *self.full(), "--figures", self.path("png"), "--require-success")
+        self.assertEqual((code, err), (0, ""))
+        self.assertEqual(len(re.findall(r"(F->Q|Q->F) +happened", out)), 2)
+        page = self.page()
+        checker = Checker(page)
+        self.assertEqual((checker.wrong, checker.open, checker.fetched), ([], [], []))
+        for heading in ("Force and displacement", "The arm as it snaps", "What pulses do", "Switch F \u2192 Q",
+                        "Switch Q \u2192 F", "Commanded and sent", "Which mode it is in", "The link", "Provenance"):
+            self.assertIn(heading, checker.headings)
+        self.assertNotIn("What is missing, and remarks", checker.headings)
+        self.assertIn("Both switches happened", page)
+        self.assertIn("masses.total", page)
+        self.assertEqual(page.count("<svg"), 8)
+        self.assertEqual(len(os.listdir(self.path("png"))), 8)
+
+    def test_figures_follow_the_theme(self):
+        self.make(self.good)
+        pictures = re.findall(r"<svg.*?</svg>", self.page(), re.DOTALL)
+        self.assertGreater(len(pictures), 4)
+        for picture in pictures:
+            self.assertIn("var(--ink)", picture)
+            for light, _ in style.PALETTE.values():
+                self.assertNotIn(light, picture.lower())
+
+    def test_same_inputs_give_the_same_page(self):
+        self.make(self.good, "--vehicle", VEHICLE)
+        first = self.page()
+        self.make(self.good, "--vehicle", VEHICLE)
+        self.assertEqual(self.page(), first)
+
+    def test_partial_run_says_what_is_missing(self):
+        for topic in ("truth", "mode_state", "link_status", "command/pulse", "transition_plan", "force_curve",
+                      "arm_geometry", "imu"):
+            with self.subTest(topic):
+                synthetic_run.make_buffer(leave_out=(topic,)).save(self.path("run.h5"), "recording")
+                code, out, _ = self.make(self.path("run.h5"))
+                self.assertEqual(code, 0)
+                self.assertIn("Nothing was recorded of " + topic, out)
+                self.assertIn("Nothing was recorded of " + topic, self.page())
+                self.assertIn("did not end by itself", self.page())
+
+    def test_empty_run_still_gives_a_page(self):
+        synthetic_run.RunBuffer(0.0).save(self.path("run.h5"), "closed")
+        code, out, _ = self.make(self.path("run.h5"), "--require-success")
+        self.assertEqual(code, 1)
+        self.assertIn("not known", out)
+        self.assertIn("Not both switches are shown to have happened", self.page())
+
+    def test_failed_switch_is_not_hidden(self):
+        synthetic_run.make_buffer({"F->Q": (2.0, 0.12, 0.3)}).save(self.path("run.h5"), "closed")
+        summary = self.write("s.json", '{"ok": true, "switches": [{"name": "F->Q", "ok": true}]}')
+        code, out, _ = self.make(self.path("run.h5"), "--summary", summary, "--require-success")
+        self.assertEqual(code, 1)
+        self.assertIn("did not happen", out)
+        self.assertIn("the scenario says it succeeded", self.page())
+
+    def test_hostile_text_is_escaped(self):
+        buffer = synthetic_run.make_buffer(provenance={"recorder_command": "<script>alert(1)</script>"})
+        buffer.save(self.path("run.h5"), "closed")
+        self.make(self.path("run.h5"))
+        self.assertNotIn("<script>", self.page())
+        self.assertIn("&lt;script&gt;", self.page())
+
+    def refused(self, pattern, *arguments):
+        code, out, err = self.make(*arguments)
+        self.assertEqual(code, 2, err)
+        self.assertRegex(err, pattern)
+        self.assertEqual(err.count("\n"), 1)
+        self.assertFalse(os.path.exists(self.output))
+
+    def test_bad_inputs_give_one_line_and_2(self):
+        empty = self.write("empty", "")
+        words = self.write("words.csv", "throttle,duration_s,share_switched,worst_margin\n0.1,0.2,much,0\n")
+        columns = self.write("columns.csv", "throttle,seconds\n0.1,0.2\n")
+        header = self.write("header.csv", "throttle,duration_s,share_switched,worst_margin\n")
+        share = self.write("share.csv", "throttle,duration_s,share_switched,worst_margin\n" + "".join(
+            "{},{},1.5,0\n".format(a, b) for a in (0, 1) for b in (0, 1)))
+        self.refused("no such file", self.path("absent.h5"))
+        self.refused("empty: the file is empty", empty)
+        self.refused("not an HDF5", columns)
+        self.refused("column 'duration_s' is missing; found throttle, seconds", self.good, "--map", "F", columns)
+        self.refused("row 2, column 'share_switched': 'much' is no number", self.good, "--map", "F", words)
+        self.refused("a header but no rows", self.good, "--map", "F", header)
+        self.refused("share_switched = 1.5 is outside 0 .. 1", self.good, "--map", "F", share)
+        self.refused("expected F or Q", self.good, "--map", "X", words)
+        self.refused("column 'time_s' is missing", self.good, "--trajectory", "F", columns)
+        self.refused("the file is empty", self.good, "--summary", empty)
+        self.refused("not JSON", self.good, "--summary", columns)
+        self.refused("list 'switches'", self.good, "--summary", self.write("a.json", "[]"))
+        self.refused("needs 'name' and 'ok'", self.good, "--summary",
+                     self.write("b.json", '{"ok": true, "switches": [{"ok": true}]}'))
+        self.refused("no vehicle file", self.good, "--vehicle", self.write("v.yaml", "a: 1\n"))
+        self.refused("not YAML", self.good, "--vehicle", self.write("w.yaml", "a: [1\n"))
+        self.refused("not a program", self.good, "--vehicle", VEHICLE, "--snapwing", columns)
+        self.refused("--snapwing needs --vehicle", self.good, "--snapwing", "/bin/true")
+        self.refused("no force table", self.good, "--table", self.good)
+
+    def test_output_that_cannot_be_written(self):
+        self.output = self.path("absent/report.html")
+        self.refused("cannot write", self.good)
+
+    def program(self, script):
+        path = self.write("program", "#!/bin/sh\n" + script)
+        os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
+        return path
+
+    def test_command_line_fills_in_maps_and_trajectories(self):
+        self.full()
+        program = self.program(
+            'what=$1; while [ $# -gt 0 ]; do case $1 in --from) from=$2;; --map|--csv) out=$2;; esac; shift; done\n'
+            'case $what$from in planF) cp {0}/f.csv $out;; planQ) cp {0}/q.csv $out; exit 1;;'
+            ' predictF) cp {0}/tf.csv $out;; predictQ) cp {0}/tq.csv $out;; esac\n'.format(self.folder.name))
+        code, out, _ = self.make(self.good, "--vehicle", VEHICLE, "--snapwing", program, "--trial", "--mount boom")
+        self.assertEqual(code, 0)
+        self.assertNotIn("no outcome map", out)
+        self.assertNotIn("no predicted trajectory", out)
+        self.assertIn("--mount boom", self.page())
+        self.assertIn("What pulses do", Checker(self.page()).headings)
+
+    def test_command_line_that_fails_is_reported(self):
+        program = self.program("echo no table >&2; exit 2\n")
+        code, out, _ = self.make(self.good, "--vehicle", VEHICLE, "--snapwing", program)
+        self.assertEqual(code, 0)
+        self.assertIn("no outcome map: 'snapwing plan' ended with 2: no table", out)
+        self.assertIn("no predicted trajectory: 'snapwing predict' ended with 2: no table", out)
+
+
+class Readers(unittest.TestCase):
+    def test_shipped_vehicle_lists_every_number_with_its_source(self):
+        name, parameters, settings = inputs.read_vehicle(VEHICLE)
+        self.assertEqual(name, "arris_x220")
+        self.assertGreater(len(parameters), 40)
+        for parameter in parameters:
+            self.assertTrue(parameter.unit and parameter.source, parameter.name)
+            self.assertIsInstance(parameter.value, (int, float), parameter.name)
+        self.assertIn("arm.table_file", settings)
+
+    def test_force_table_shapes_belong_to_their_travel(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "t.h5")
+            synthetic_run.write_force_table(path)
+            table = inputs.read_force_table(path)
+        loops, travel = table.shape_at(0.0511)
+        self.assertEqual(travel, 0.0511)
+        self.assertEqual(table.shape_at(0.2)[1], table.travel[-1])
+        self.assertEqual([len(loop) for loop in loops], [6, 4])
+        self.assertAlmostEqual(loops[0][0][1], -travel, places=12)
+
+    def test_map_order_does_not_matter(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "m.csv")
+            with open(path, "w") as file:
+                file.write("# made by hand\nworst_margin,throttle,share_switched,duration_s\n"
+                           "-1,0.5,0,0.2\n2,0.9,1,0.2\n1,0.9,1,0.1\n-2,0.5,0.25,0.1\n")
+            found = inputs.read_outcome_map(path)
+        self.assertEqual(found.margin.tolist(), [[-2, -1], [1, 2]])
+        self.assertEqual(found.share.tolist(), [[0.25, 0], [1, 1]])
+
+    def test_trajectory_must_run_forward(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "t.csv")
+            with open(path, "w") as file:
+                file.write("time_s,travel_m\n0,0\n0.2,0\n0.1,0\n")
+            with self.assertRaisesRegex(InputError, "time_s decreases"):
+                inputs.read_trajectory(path)
+
+    def test_numbers_of_tables(self):
+        self.assertEqual(number(float("nan"), "mm"), "\u2013")
+        self.assertEqual(number(12.34, "mm"), "12.3 mm")
+        self.assertEqual(number(-0.5, "1"), "-0.50")
+        self.assertEqual(difference("ms", 10.0, 14.0), "+4 ms")
+        self.assertEqual(difference("", "Q", "F"), "differs")
+
+
+if __name__ == "__main__":
+    unittest.main()
