@@ -13,7 +13,7 @@
 #include <sensor_msgs/Imu.h>
 #include <snapwing/LinkStatus.h>
 #include <snapwing/ModeState.h>
-#include <std_srvs/Trigger.h>
+#include <std_srvs/SetBool.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include "snapwing/common/force_table.h"
@@ -91,7 +91,7 @@ class WingStateNode {
     marker_publisher_ = nh.advertise<visualization_msgs::MarkerArray>(topics::MARKERS, 5);
     imu_ = nh.subscribe(topics::IMU, 200, &WingStateNode::onImu, this);
     link_ = nh.subscribe(topics::LINK_STATUS, 50, &WingStateNode::onLink, this);
-    at_rest_ = nh.advertiseService(topics::AT_REST, &WingStateNode::onAtRest, this);
+    ring_held_ = nh.advertiseService(topics::RING_HELD, &WingStateNode::onRingHeld, this);
     start_ = ros::Time::now();
     estimator_.reset(0, settings_.initial_mode);
     state_timer_ = nh.createTimer(ros::Duration(1 / settings_.state_rate), &WingStateNode::publishState, this);
@@ -130,11 +130,10 @@ class WingStateNode {
     return common::motorOutput(radio, std::clamp(stick, 0.0, 1.0));
   }
 
-  bool onAtRest(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    feed(seconds(ros::Time::now()));
-    estimator_.atRest(seconds(ros::Time::now()));
+  /// The operator tells that the ring is held and stands still, or is let go: until then the estimate's speed is 0.
+  bool onRingHeld(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+    held_ = request.data;
     response.success = true;
-    response.message = "the estimate knows that the vehicle stands still";
     return true;
   }
 
@@ -151,6 +150,7 @@ class WingStateNode {
     const ros::Time stamp = ros::Time::now() - ros::Duration(settings_.input_delay);
     feed(seconds(stamp));
     estimator_.predictTo(seconds(stamp));
+    if (held_) estimator_.atRest(seconds(stamp));
     estimate_ = estimator_.estimate();
     ModeState message;
     message.header.stamp = stamp;
@@ -244,7 +244,8 @@ class WingStateNode {
   ros::Time start_, last_imu_, last_link_;
   ros::Publisher state_publisher_, marker_publisher_;
   ros::Subscriber imu_, link_;
-  ros::ServiceServer at_rest_;
+  ros::ServiceServer ring_held_;
+  bool held_ = false;
   tf2_ros::TransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
   ros::Timer state_timer_, marker_timer_, diagnostic_timer_;

@@ -1,0 +1,287 @@
+"""Scenario for the demo: an operator and an experimenter, played through the same topics, services and action that a
+person would use. Arms, switches F -> Q, lets the boom be stopped by hand, switches Q -> F, disarms, and tells what
+happened. Exit code 0 only if both switches happened in truth and in the estimate."""
+
+import argparse
+import sys
+import threading
+
+import actionlib
+import rospy
+from std_srvs.srv import SetBool
+
+from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, LinkStatus, ModeState, PulseCommand, SwitchModeAction,
+                          SwitchModeGoal, SwitchModeResult, VehicleTruth)
+from snapwing.srv import PredictSnap
+from snapwing_tools.scenario_summary import Outcome, Switch, TruthSample, happened, table, write_result
+
+FIXED_WING, QUADROTOR = ModeState.FIXED_WING, ModeState.QUADROTOR
+NAMES = {FIXED_WING: "F", QUADROTOR: "Q"}
+
+
+class ScenarioFailure(Exception):
+    """The scenario cannot go on; the text says why."""
+
+
+class Listener:
+    """Latest message of each topic, and the history of the truth."""
+
+    TOPICS = {"arm_geometry": ArmGeometry, "force_curve": ForceDisplacementCurve, "link_status": LinkStatus,
+              "mode_state": ModeState, "truth": VehicleTruth, "command/pulse": PulseCommand}
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._latest = {}
+        self._arrival = {}
+        self.truth = []
+        self._subscribers = [rospy.Subscriber(name, kind, self._on_message, callback_args=name, queue_size=100)
+                             for name, kind in self.TOPICS.items()]
+
+    def _on_message(self, message, name):
+        with self._lock:
+            self._latest[name] = message
+            self._arrival[name] = rospy.get_time()
+            if name == "truth":
+                self.truth.append(TruthSample(message.header.stamp.to_sec(), message.mode, message.travel,
+                                              message.speed, message.thrust))
+
+    def latest(self, name):
+        with self._lock:
+            return self._latest.get(name)
+
+    def age(self, name):
+        """[s] since the last message; infinite if none came."""
+        with self._lock:
+            return rospy.get_time() - self._arrival[name] if name in self._arrival else float("inf")
+
+    def truth_since(self, time):
+        with self._lock:
+            return [sample for sample in self.truth if sample.time >= time]
+
+
+class Scenario:
+    """The steps, each a method; `outcome` grows as they run."""
+
+    def __init__(self, options):
+        self.options = options
+        self.outcome = Outcome()
+        self.listener = Listener()
+        self.action = actionlib.SimpleActionClient("switch_mode", SwitchModeAction)
+        self.services = {name: rospy.ServiceProxy(name, kind) for name, kind in
+                         (("arm", SetBool), ("hold", SetBool), ("ring_held", SetBool), ("predict_snap", PredictSnap))}
+
+    def run(self):
+        try:
+            self.wait_until_ready()
+            self.call("hold", True)
+            self.arm()
+            self.stop_boom()
+            self.switch(FIXED_WING, QUADROTOR)
+            self.stop_boom()
+            self.switch(QUADROTOR, FIXED_WING)
+            self.stop_boom()
+            self.disarm()
+        except ScenarioFailure as failure:
+            self.outcome.reason = str(failure)
+        except rospy.ROSException as failure:
+            self.outcome.reason = f"ROS: {failure}"
+        return self.outcome
+
+    # -- steps
+
+    def wait_until_ready(self):
+        say("waiting for the nodes")
+        deadline = rospy.get_time() + self.options.ready_timeout
+        for name in ("arm_geometry", "force_curve", "mode_state", "truth", "link_status"):
+            self.wait(lambda name=name: self.listener.latest(name) is not None, deadline, f"nothing on topic {name}")
+        for name, service in self.services.items():
+            self.wait(lambda service=service: _is_there(service), deadline, f"no service {name}")
+        self.wait(lambda: self.action.wait_for_server(rospy.Duration(0.1)), deadline, "no action server switch_mode")
+        self.wait(lambda: self.listener.latest("link_status").controller_connected, deadline,
+                  "the flight controller does not answer the radio bridge")
+        self.outcome.vehicle = self.listener.latest("arm_geometry").vehicle
+        curve = self.listener.latest("force_curve")
+        self.outcome.curve_rung = curve.rung
+        if not curve.bistable:
+            raise ScenarioFailure("the arm's force curve is not bistable")
+
+    def arm(self):
+        """Asks until the controller is armed: right after power-up it refuses for some seconds (boot grace)."""
+        say("arming")
+        deadline = rospy.get_time() + self.options.arm_timeout
+        answer = ""
+        while not rospy.is_shutdown():
+            reply = self.call("arm", True)
+            answer = "" if reply.success else reply.message
+            until = min(deadline, rospy.get_time() + 1.5)
+            while rospy.get_time() < until and not rospy.is_shutdown():
+                status = self.listener.latest("link_status")
+                if status.controller_armed and status.bridge_state == LinkStatus.BRIDGE_ARMED:
+                    return
+                rospy.sleep(0.02)
+            if rospy.get_time() >= deadline:
+                raise ScenarioFailure("arming failed: " + (answer or describe_link(self.listener.latest("link_status"))))
+        raise ScenarioFailure("interrupted")
+
+    def stop_boom(self):
+        """The experimenter brakes the boom to rest and keeps it in the hand; the operator tells the estimator."""
+        say("the hand stops the boom")
+        self.call("hold", True)
+        deadline = rospy.get_time() + self.options.stop_timeout
+        self.wait(self.still, deadline, "the boom does not come to rest")
+        self.call("ring_held", True)
+
+    def still(self):
+        recent = self.listener.truth_since(rospy.get_time() - 0.3)
+        return len(recent) > 5 and self.listener.latest("truth").held and all(abs(s.speed) < 0.01 for s in recent)
+
+    def switch(self, start, target):
+        switch = Switch(start, target)
+        self.outcome.switches.append(switch)
+        say(f"planning {NAMES[start]} -> {NAMES[target]}")
+        result = self.ask(target, plan_only=True, timeout=self.options.plan_timeout)
+        self.note_plan(switch, result)
+        if result.code != SwitchModeResult.SUCCEEDED:
+            switch.code, switch.message = result.code, result.message
+            raise ScenarioFailure(f"{NAMES[start]} -> {NAMES[target]}: {result.message}")
+        self.note_prediction(switch)
+        say(f"switching {NAMES[start]} -> {NAMES[target]}: throttle {100 * switch.throttle:.1f} % "
+            f"for {switch.duration:.3f} s")
+        self.call("ring_held", False)
+        self.call("hold", False)
+        asked = rospy.get_time()
+        result = self.ask(target, plan_only=False, timeout=self.options.switch_timeout)
+        self.note_result(switch, result, asked)
+        say(f"{NAMES[start]} -> {NAMES[target]}: {switch.trouble() or 'switched'}")
+        if switch.trouble():
+            self.call("hold", True)
+            raise ScenarioFailure(f"{NAMES[start]} -> {NAMES[target]}: {self.explain(switch)}")
+
+    def explain(self, switch):
+        """Adds what the link says a moment later: a lost link shows as the flight controller's failsafe."""
+        if switch.code != SwitchModeResult.LINK_LOST:
+            return switch.trouble()
+        return switch.trouble() + self.motors_afterwards()
+
+    def motors_afterwards(self):
+        """What the motors truly did once the link was gone: the flight controller's failsafe turns them off."""
+        rospy.sleep(self.options.failsafe_wait)
+        truth = self.listener.latest("truth")
+        if truth is None or self.listener.age("truth") > 0.5:
+            return ""
+        off = max(truth.motor_outputs or [0.0]) == 0.0
+        return "; the flight controller's failsafe turned the motors off" if off else "; the motors are still turning"
+
+    def disarm(self):
+        say("disarming")
+        self.call("arm", False)
+        deadline = rospy.get_time() + 3.0
+        self.wait(lambda: not self.listener.latest("link_status").controller_armed, deadline, "disarming failed")
+
+    # -- notes
+
+    def note_plan(self, switch, result):
+        plan = result.plan
+        switch.throttle, switch.duration = plan.pulse.throttle, plan.pulse.duration
+        switch.worst_margin, switch.share = plan.worst_margin, plan.share_switched
+        switch.realisations, switch.plan_seconds = plan.realisations, plan.compute_seconds
+
+    def note_prediction(self, switch):
+        """Asks the reduced model itself, as anyone may."""
+        reply = self.call("predict_snap", switch.start, self.pulse(switch), 0.0)
+        if not reply.ok:
+            raise ScenarioFailure(f"predict_snap: {reply.message}")
+        prediction = reply.prediction
+        switch.rung, switch.predicted_mode = prediction.rung, prediction.end_mode
+        switch.predicted_snap_time, switch.predicted_margin = prediction.snap_time, prediction.energy_margin
+        switch.predicted_peak, switch.predicted_least = prediction.peak_travel, prediction.least_travel
+
+    @staticmethod
+    def pulse(switch):
+        message = PulseCommand().pulse
+        message.throttle, message.duration = switch.throttle, switch.duration
+        return message
+
+    def note_result(self, switch, result, asked):
+        # What the vehicle does shows best a moment after the estimate has settled.
+        rospy.sleep(self.options.watch_after)
+        switch.code, switch.message = result.code, result.message
+        command = self.listener.latest("command/pulse")
+        commanded = command.header.stamp.to_sec() if command else asked
+        barrier = self.listener.latest("force_curve").barrier_travel
+        switch.happened = happened(self.listener.truth_since(asked), barrier, max(commanded, asked))
+        state = self.listener.latest("mode_state")
+        fresh = self.listener.age("mode_state") < 0.5
+        switch.estimated_mode = state.mode if fresh else ModeState.UNKNOWN
+        switch.estimated_probability = (state.probability_quadrotor if switch.target == QUADROTOR
+                                        else state.probability_fixed_wing)
+        switch.estimated_seconds = result.switch_seconds
+
+    # -- helpers
+
+    def ask(self, target, plan_only, timeout):
+        self.action.send_goal(SwitchModeGoal(target_mode=target, plan_only=plan_only))
+        if not self.action.wait_for_result(rospy.Duration(timeout)):
+            self.action.cancel_goal()
+            raise ScenarioFailure(f"switch_mode did not answer within {timeout:g} s")
+        return self.action.get_result()
+
+    def call(self, name, *arguments):
+        try:
+            return self.services[name](*arguments)
+        except rospy.ServiceException as failure:
+            raise ScenarioFailure(f"service {name}: {failure}") from failure
+
+    def wait(self, condition, deadline, complaint):
+        while not rospy.is_shutdown():
+            if condition():
+                return
+            if rospy.get_time() > deadline:
+                raise ScenarioFailure(complaint)
+            rospy.sleep(0.02)
+        raise ScenarioFailure("interrupted")
+
+
+def _is_there(service):
+    try:
+        service.wait_for_service(0.05)
+        return True
+    except rospy.ROSException:
+        return False
+
+
+def describe_link(status):
+    """One line about the link, for a failure's reason."""
+    if status.bridge_fault:
+        return f"bridge fault: {status.bridge_fault}"
+    if not status.controller_connected:
+        return "the flight controller is not connected"
+    return f"arming-disable flags 0x{status.arming_disable_flags:x}, last refusal '{status.last_refusal}'"
+
+
+def say(text):
+    print(f"[scenario] {text}", flush=True)
+
+
+def parse_options(arguments):
+    parser = argparse.ArgumentParser(prog="run_scenario", description=__doc__)
+    parser.add_argument("--result", default="", metavar="FILE", help="write the outcome as JSON")
+    for name, default, text in (("ready-timeout", 30.0, "all nodes must be there by then"),
+                                ("arm-timeout", 20.0, "for arming, boot grace included"),
+                                ("plan-timeout", 60.0, "for one plan"),
+                                ("switch-timeout", 20.0, "for one switch"),
+                                ("stop-timeout", 15.0, "for the hand to stop the boom"),
+                                ("watch-after", 0.5, "watched after each switch"),
+                                ("failsafe-wait", 2.0, "after a lost link, before the motors are looked at")):
+        parser.add_argument(f"--{name}", type=float, default=default, metavar="S", help=f"[s] {text} (%(default)s)")
+    return parser.parse_args(arguments)
+
+
+def main():
+    options = parse_options(rospy.myargv(argv=sys.argv)[1:])
+    rospy.init_node("scenario", anonymous=False)
+    outcome = Scenario(options).run()
+    print("\n" + table(outcome) + "\n", flush=True)
+    if options.result:
+        write_result(outcome, options.result)
+    return 1 if outcome.trouble() else 0
