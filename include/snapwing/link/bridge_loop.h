@@ -1,0 +1,73 @@
+#pragma once
+/// The radio bridge around its core: messages from a queue, frames to a line, answers of the flight controller, status
+/// to a queue. One thread calls frame() and receive(); neither allocates, locks or waits.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "snapwing/link/bridge_core.h"
+#include "snapwing/link/controller_watch.h"
+#include "snapwing/link/spsc_ring.h"
+#include "snapwing/link/transport.h"
+
+namespace snapwing::link {
+
+enum class Protocol { MSP1, MSP2, SBUS, CRSF };
+/// @param name  "msp1", "msp2", "sbus" or "crsf". @throws common::SettingError
+Protocol protocolFromName(const std::string& name);
+/// Baud rate, parity and stop bits that the protocol asks for.
+LineSettings lineSettings(Protocol protocol);
+
+/// One authenticated message on its way into the loop.
+struct Inbound {
+  enum class Kind { NONE, PULSE, HEARTBEAT, ABORT } kind = Kind::NONE;
+  PulseCommand pulse;
+  Heartbeat heartbeat;
+  Abort abort;
+};
+/// What one frame left behind, on its way to the publisher.
+struct Outbound {
+  BridgeStatus status;
+  ControllerTelemetry telemetry;
+};
+using Inbox = SpscRing<Inbound, 256>;
+using Outbox = SpscRing<Outbound, 64>;
+
+class BridgeLoop {
+ public:
+  /// @param readback  false: no questions to the controller (allowed by name only; always so with SBUS and CRSF)
+  BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool readback, const std::set<std::string>& allowed,
+             Transport& transport, std::int64_t session, double now);
+
+  Inbox& inbox() { return inbox_; }
+  Outbox& outbox() { return outbox_; }
+  BridgeCore& core() { return core_; }
+  const ControllerWatch& watch() const { return watch_; }
+
+  /// One frame: call when now >= core().nextFrameTime().
+  void frame(double now);
+  /// Reads what the line has brought.
+  void receive(double now);
+
+  /// Throttle low, AUX1 low, ready to send: for the handler of a crash.
+  static WireFrame safeFrame(Protocol protocol);
+
+ private:
+  static WireFrame encodeFrame(Protocol protocol, const Channels& channels);
+  void drainInbox(double now);
+  void updateConnection(double now);
+  void ask(double now);
+
+  Protocol protocol_;
+  bool readback_;
+  Transport& transport_;
+  BridgeCore core_;
+  ControllerWatch watch_;
+  MspParser parser_;
+  Inbox inbox_;
+  Outbox outbox_;
+  int seen_connections_ = 0;
+};
+
+}  // namespace snapwing::link

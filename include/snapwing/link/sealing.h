@@ -1,0 +1,65 @@
+#pragma once
+/// Key and authentication of the link's messages: HMAC-SHA-512-256 (libsodium's crypto_auth) over a domain label, the
+/// channel's name and the LCM bytes. Without the key nobody commands thrust; with it, a message moved to another
+/// channel does not verify.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "snapwing_lcm/sealed_t.hpp"
+
+namespace snapwing::link {
+
+constexpr const char* CHANNEL_PULSE = "SNAPWING_PULSE";
+constexpr const char* CHANNEL_ABORT = "SNAPWING_ABORT";
+constexpr const char* CHANNEL_HEARTBEAT = "SNAPWING_HEARTBEAT";
+constexpr const char* CHANNEL_STATUS = "SNAPWING_LINK_STATUS";
+constexpr const char* CHANNEL_TELEMETRY = "SNAPWING_TELEMETRY";
+constexpr const char* DEFAULT_LCM_URL = "udpm://239.255.76.67:7667?ttl=0";
+
+using Key = std::array<std::uint8_t, 32>;
+
+/// Draws a key and writes it as 64 hexadecimal digits, readable by the owner only.
+/// @throws common::FileError if the file exists or cannot be written
+void createKeyFile(const std::string& path);
+/// @throws common::FileError if missing, not 64 hexadecimal digits, or open to group or others
+Key loadKeyFile(const std::string& path);
+
+class Sealer {
+ public:
+  explicit Sealer(const Key& key) : key_(key) {}
+
+  /// @return false if the payload is too large
+  bool seal(const std::string& channel, const std::uint8_t* payload, std::size_t size, snapwing_lcm::sealed_t& out) const;
+  /// @return true if the envelope is of our version and its code is right
+  bool verify(const std::string& channel, const snapwing_lcm::sealed_t& sealed) const;
+
+  /// LCM message -> bytes of its envelope, ready to publish. Empty if it does not fit.
+  template <class Message>
+  std::vector<std::uint8_t> wrap(const std::string& channel, const Message& message) const {
+    std::vector<std::uint8_t> payload(static_cast<std::size_t>(message.getEncodedSize()));
+    snapwing_lcm::sealed_t sealed{};
+    if (message.encode(payload.data(), 0, static_cast<int>(payload.size())) < 0) return {};
+    if (!seal(channel, payload.data(), payload.size(), sealed)) return {};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(sealed.getEncodedSize()));
+    if (sealed.encode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return {};
+    return bytes;
+  }
+
+  /// Bytes from the network -> message. False for everything that is not exactly one good envelope with exactly one
+  /// message of this type.
+  template <class Message>
+  bool unwrap(const std::string& channel, const void* bytes, std::size_t size, Message& out) const {
+    snapwing_lcm::sealed_t sealed;
+    if (size > 4096 || sealed.decode(bytes, 0, static_cast<int>(size)) != static_cast<int>(size)) return false;
+    if (!verify(channel, sealed)) return false;
+    return out.decode(sealed.payload, 0, sealed.payload_size) == sealed.payload_size;
+  }
+
+ private:
+  Key key_;
+};
+
+}  // namespace snapwing::link

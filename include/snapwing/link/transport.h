@@ -1,0 +1,78 @@
+#pragma once
+/// Lines to a flight controller: TCP socket, serial port, pseudo-terminal. Nothing blocks, nothing queues: a frame goes
+/// out whole and now, or not at all, so that an unblocked line never delivers stale thrust.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace snapwing::link {
+
+enum class Parity { NONE, EVEN };
+
+/// How a serial line is set; other lines ignore it.
+struct LineSettings {
+  int baud = 115200;
+  Parity parity = Parity::NONE;
+  int stop_bits = 1;
+};
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+
+  /// Opens, or goes on opening, if not connected. Cheap; call once per frame.
+  /// @param now  [s] monotonic; attempts are spaced by a quarter of a second
+  virtual void maintain(double now) = 0;
+  bool connected() const { return connected_; }
+  /// For poll(); -1 if closed.
+  int descriptor() const { return descriptor_; }
+
+  /// @return bytes read, 0 if none; a broken line closes
+  std::size_t read(std::uint8_t* out, std::size_t capacity);
+  /// Sends all of it or nothing. A rest that the kernel did not take is sent first next time; until then, and while more
+  /// than the kind's limit of bytes wait in the kernel, frames are dropped. Blocked for longer than a tenth of a second, the
+  /// line is flushed (serial) or closed (socket).
+  /// @return true if the whole frame was handed to the kernel
+  bool write(const std::uint8_t* bytes, std::size_t size, double now);
+  void close();
+  /// Number of times that a connection came about.
+  int connections() const { return connections_; }
+
+  static constexpr double BLOCKED_LIMIT = 0.1;  ///< [s]
+
+ protected:
+  void opened();
+  /// Bytes that the kernel holds and the line has not taken.
+  virtual int backlog() const = 0;
+  virtual int backlogLimit() const { return 64; }  ///< [bytes] two frames
+  /// Throws away what waits in the kernel. @return false if that is only possible by closing
+  virtual bool flush() = 0;
+
+  int descriptor_ = -1;
+  bool connected_ = false;
+  double next_attempt_ = -1e9;
+
+ private:
+  bool sendRest();
+  bool blocked(double now);
+  std::uint8_t rest_[512] = {};
+  std::size_t rest_size_ = 0;
+  double blocked_since_ = -1;
+  int connections_ = 0;
+};
+
+/// @param where  "tcp:HOST:PORT", "serial:/dev/NAME" (also a pseudo-terminal's name), or "pty:LINK": makes a
+///               pseudo-terminal and a symbolic link to its far end
+/// @throws common::SettingError if not understood, common::Error if the host is not found
+std::unique_ptr<Transport> makeTransport(const std::string& where, const LineSettings& settings);
+
+/// Opens a pseudo-terminal in raw mode. @return its master; the slave's name in `slave`
+/// @throws common::Error
+int openPseudoTerminal(std::string& slave);
+
+/// Sets any baud rate (termios2), raw mode. @return false with errno if the line refuses
+bool configureSerial(int descriptor, const LineSettings& settings);
+
+}  // namespace snapwing::link

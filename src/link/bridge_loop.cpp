@@ -1,0 +1,104 @@
+#include "snapwing/link/bridge_loop.h"
+
+#include "snapwing/common/error.h"
+#include "snapwing/link/crsf.h"
+#include "snapwing/link/sbus.h"
+
+namespace snapwing::link {
+namespace {
+
+constexpr int SILENT_FRAMES = 10;  ///< frames without an answer after which the controller counts as gone
+
+MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? MspVersion::V1 : MspVersion::V2; }
+bool speaksMsp(Protocol protocol) { return protocol == Protocol::MSP1 || protocol == Protocol::MSP2; }
+
+}  // namespace
+
+Protocol protocolFromName(const std::string& name) {
+  if (name == "msp1") return Protocol::MSP1;
+  if (name == "msp2") return Protocol::MSP2;
+  if (name == "sbus") return Protocol::SBUS;
+  if (name == "crsf") return Protocol::CRSF;
+  throw common::SettingError("radio bridge", "protocol", name, "msp1, msp2, sbus or crsf");
+}
+
+LineSettings lineSettings(Protocol protocol) {
+  if (protocol == Protocol::SBUS) return {100000, Parity::EVEN, 2};
+  if (protocol == Protocol::CRSF) return {420000, Parity::NONE, 1};
+  return {115200, Parity::NONE, 1};
+}
+
+BridgeLoop::BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool readback,
+                       const std::set<std::string>& allowed, Transport& transport, std::int64_t session, double now)
+    : protocol_(protocol),
+      readback_(readback && speaksMsp(protocol)),
+      transport_(transport),
+      core_(settings, session, now),
+      watch_(mspVersion(protocol), allowed) {}
+
+WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
+  if (protocol == Protocol::SBUS) return encodeSbus(channels);
+  if (protocol == Protocol::CRSF) return encodeCrsf(channels);
+  WireFrame frame;
+  frame.size = encodeMsp(setRawRc(mspVersion(protocol), channels), frame.bytes.data(), frame.bytes.size());
+  return frame;
+}
+
+WireFrame BridgeLoop::safeFrame(Protocol protocol) { return encodeFrame(protocol, safeChannels()); }
+
+void BridgeLoop::drainInbox(double now) {
+  Inbound message;
+  while (inbox_.pop(message)) {
+    if (message.kind == Inbound::Kind::PULSE) core_.onPulse(message.pulse, now);
+    if (message.kind == Inbound::Kind::HEARTBEAT) core_.onHeartbeat(message.heartbeat, now);
+    if (message.kind == Inbound::Kind::ABORT) core_.onAbort(message.abort, now);
+  }
+}
+
+void BridgeLoop::updateConnection(double now) {
+  transport_.maintain(now);
+  if (transport_.connected() && transport_.connections() != seen_connections_) {
+    seen_connections_ = transport_.connections();
+    parser_.reset();
+    watch_.connected(now);
+  }
+  if (!transport_.connected()) watch_.disconnected();
+  ControllerState state = watch_.state();
+  state.readback = readback_;
+  if (!readback_) state.known = state.connected;
+  if (readback_ && watch_.unansweredFrames() > SILENT_FRAMES) state.connected = false;
+  core_.onController(state);
+}
+
+void BridgeLoop::frame(double now) {
+  receive(now);
+  updateConnection(now);
+  drainInbox(now);
+  const Channels& channels = core_.tick(now);
+  const WireFrame wire = encodeFrame(protocol_, channels);
+  const bool written = transport_.connected() && transport_.write(wire.bytes.data(), wire.size, now);
+  core_.onSent(written, now);
+  if (written) watch_.noteFrame();
+  if (written && readback_) ask(now);
+  outbox_.push({core_.status(), watch_.telemetry()});
+}
+
+void BridgeLoop::ask(double now) {
+  MspPacket question;
+  if (!watch_.nextRequest(now, question)) return;
+  std::array<std::uint8_t, 16> bytes;
+  const std::size_t size = encodeMsp(question, bytes.data(), bytes.size());
+  transport_.write(bytes.data(), size, now);
+}
+
+void BridgeLoop::receive(double now) {
+  std::array<std::uint8_t, 512> bytes;
+  while (const std::size_t got = transport_.read(bytes.data(), bytes.size())) {
+    for (std::size_t i = 0; i < got; ++i) {
+      if (parser_.push(bytes[i])) watch_.onPacket(parser_.packet(), now);
+    }
+    if (got < bytes.size()) break;
+  }
+}
+
+}  // namespace snapwing::link

@@ -1,0 +1,123 @@
+/// link_console: the operator's end of the link on a terminal, without ROS; for bench work and tests. Commands on standard
+/// input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort, deadman on|off, quit. Status as lines of
+/// JSON on standard output. It is the heartbeat: when it ends or stops, the bridge disarms.
+#include <poll.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <sstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/link/clock.h"
+#include "snapwing/link/operator_link.h"
+
+namespace {
+
+using namespace snapwing;
+
+struct Operator {
+  bool arm = false, deadman = true, quit = false;
+  double reset_until = 0;
+};
+
+void printStatus(const link::OperatorLink& link, double now) {
+  const link::BridgeStatus& s = link.status();
+  std::printf(
+      "{\"t\": %.6f, \"frame_time\": %.6f, \"state\": \"%s\", \"fault\": \"%s\", \"pulse_id\": %lld, \"throttle\": %.4f, "
+      "\"throttle_us\": %d, \"aux1_us\": %d, \"frames\": %lld, \"dropped\": %lld, \"accepted\": %lld, \"refused\": %lld, "
+      "\"rejected\": %lld, \"refusal\": \"%s\", \"latency_worst\": %.6f, \"connected\": %d, \"known\": %d, \"armed\": %d, "
+      "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld}\n",
+      now, s.frame_time, link::stateName(s.state), link::describe(s.fault, s.fault_detail).c_str(),
+      static_cast<long long>(s.pulse_id), s.commanded_throttle, s.channels.us[link::THROTTLE], s.channels.us[link::AUX1],
+      static_cast<long long>(s.frames_sent), static_cast<long long>(s.frames_dropped),
+      static_cast<long long>(s.commands_accepted), static_cast<long long>(s.commands_refused),
+      static_cast<long long>(link.messagesRejectedByBridge()),
+      link::describe(s.last_refusal, s.last_refusal_detail).c_str(), s.latency_worst, s.controller.connected ? 1 : 0,
+      s.controller.known ? 1 : 0, s.controller.armed ? 1 : 0, s.controller.failsafe ? 1 : 0, s.controller.arming_flags,
+      static_cast<long long>(link.counters().missed));
+}
+
+void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
+  std::istringstream words(line);
+  std::string verb;
+  words >> verb;
+  if (verb == "arm") o.arm = true;
+  if (verb == "disarm") o.arm = false;
+  if (verb == "reset") {
+    o.arm = false;
+    o.reset_until = link::monotonicSeconds() + 0.1;
+  }
+  if (verb == "deadman") {
+    words >> verb;
+    o.deadman = verb == "on";
+  }
+  if (verb == "quit") o.quit = true;
+  if (verb == "abort") link.sendAbort(1);
+  if (verb == "pulse") {
+    long long id = 0;
+    double throttle = 0, duration = 0, pitch = 0;
+    words >> id >> throttle >> duration;
+    const bool mixed = static_cast<bool>(words >> pitch);
+    link.sendPulse(id, throttle, duration, pitch, mixed);
+  }
+}
+
+/// Takes whole lines from standard input as they come; its end means quit.
+void readLines(std::string& rest, link::OperatorLink& link, Operator& o) {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  if (poll(&input, 1, 0) <= 0) return;
+  char bytes[1024];
+  const ssize_t got = read(STDIN_FILENO, bytes, sizeof bytes);
+  if (got <= 0) {
+    o.quit = true;
+    return;
+  }
+  rest.append(bytes, static_cast<std::size_t>(got));
+  for (std::size_t end = rest.find('\n'); end != std::string::npos; end = rest.find('\n')) {
+    obey(rest.substr(0, end), link, o);
+    rest.erase(0, end + 1);
+  }
+}
+
+int run(const std::string& url, const std::string& key_file, double heartbeat_period) {
+  link::OperatorLink link(url, link::loadKeyFile(key_file));
+  Operator o;
+  std::string rest;
+  double next_heartbeat = 0;
+  std::int64_t shown = 0;
+  while (!o.quit) {
+    link.handle(0.002);
+    const double now = link::monotonicSeconds();
+    readLines(rest, link, o);
+    if (link.counters().statuses != shown) {
+      shown = link.counters().statuses;
+      printStatus(link, now);
+      std::fflush(stdout);
+    }
+    if (now < next_heartbeat) continue;
+    next_heartbeat = now + heartbeat_period;
+    link.sendHeartbeat(o.arm, o.deadman, now < o.reset_until);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Operator's console of the radio link"};
+  std::string url = link::DEFAULT_LCM_URL, key_file;
+  double period = 0.02;
+  app.add_option("--lcm-url", url, "LCM network")->capture_default_str();
+  app.add_option("--key-file", key_file, "key shared with the bridge")->required();
+  app.add_option("--heartbeat-period", period, "[s]")->check(CLI::Range(0.005, 1.0))->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    return run(url, key_file, period);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "link_console: %s\n", error.what());
+    return 2;
+  }
+}

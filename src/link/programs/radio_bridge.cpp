@@ -1,0 +1,174 @@
+/// radio_bridge: thrust pulses in as LCM messages, remote-control frames out at a fixed rate. No ROS, no planner, nothing
+/// but the last watchdog before the flight controller's own. docs/safety.md says what it promises.
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdio>
+#include <optional>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/link/bridge_lcm.h"
+#include "snapwing/link/bridge_loop.h"
+#include "snapwing/link/clock.h"
+#include "snapwing/link/transport.h"
+
+namespace {
+
+using namespace snapwing;
+
+volatile sig_atomic_t stop_signal = 0;
+std::atomic<int> crash_descriptor{-1};
+link::WireFrame crash_frame;
+
+struct Options {
+  std::string fc = "tcp:127.0.0.1:5761";
+  std::string lcm_url = link::DEFAULT_LCM_URL;
+  std::string protocol = "msp2";
+  std::string key_file, create_key;
+  std::vector<std::string> allow;
+  int realtime_priority = 50;
+  link::BridgeSettings settings;
+};
+
+void onStop(int number) { stop_signal = number; }
+
+/// A crash: the line still gets throttle low and AUX1 low for 0.2 s. Only what is safe in a signal handler.
+void onCrash(int number) {
+  for (int i = 0; i < 11; ++i) {
+    const int descriptor = crash_descriptor.load();
+    if (descriptor >= 0 && write(descriptor, crash_frame.bytes.data(), crash_frame.size) < 0) break;
+    const timespec pause{0, 20000000};
+    nanosleep(&pause, nullptr);
+  }
+  signal(number, SIG_DFL);
+  raise(number);
+}
+
+void catchSignals() {
+  struct sigaction action {};
+  sigemptyset(&action.sa_mask);
+  action.sa_handler = onStop;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGXCPU, SIGXFSZ, SIGVTALRM}) {
+    sigaction(number, &action, nullptr);
+  }
+  action.sa_handler = onCrash;
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) sigaction(number, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  signal(SIGTSTP, SIG_IGN);
+  signal(SIGTTIN, SIG_IGN);
+  signal(SIGTTOU, SIG_IGN);
+}
+
+void addOptions(CLI::App& app, Options& o) {
+  app.add_option("--fc", o.fc, "line to the flight controller: tcp:HOST:PORT, serial:/dev/NAME or pty:LINK")
+      ->capture_default_str();
+  app.add_option("--protocol", o.protocol, "msp1, msp2, sbus or crsf")->capture_default_str();
+  app.add_option("--lcm-url", o.lcm_url, "LCM network; keep ttl=0 unless the operator sits on another machine")
+      ->capture_default_str();
+  app.add_option("--key-file", o.key_file, "key shared with the operator's node, permissions 0600");
+  app.add_option("--create-key", o.create_key, "draw a new key, write it to this file and end");
+  app.add_option("--allow", o.allow,
+                 "checks of the flight controller that need not pass: controller, api-version, rx-map, failsafe-delay, "
+                 "failsafe-procedure; no-readback: do not ask it at all (needed with sbus and crsf)");
+  app.add_option("--max-throttle", o.settings.max_throttle, "larger commands are refused [1]")->capture_default_str();
+  app.add_option("--max-pulse", o.settings.max_pulse, "longer commands are refused [s]")->capture_default_str();
+  app.add_option("--max-pitch", o.settings.max_pitch, "pitch stick with mixed control, 0 = not allowed [1]")
+      ->capture_default_str();
+  app.add_option("--min-rest", o.settings.min_rest, "pause between pulses [s]")->capture_default_str();
+  app.add_option("--throttle-rise", o.settings.throttle_rise, "ramp from low to full, 0 = step [s]")->capture_default_str();
+  app.add_option("--heartbeat-timeout", o.settings.heartbeat_timeout, "silence of the operator that disarms [s]")
+      ->capture_default_str();
+  app.add_option("--frame-period", o.settings.frame_period, "[s]")->capture_default_str();
+  app.add_option("--realtime-priority", o.realtime_priority, "SCHED_FIFO priority of the loop if allowed, 0 = none")
+      ->check(CLI::Range(0, 90))
+      ->capture_default_str();
+}
+
+/// Real-time priority and locked memory, as far as this user may; the bridge also works without.
+void askForRealTime(int priority) {
+  prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);
+  if (priority <= 0) return;
+  mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT);
+  sched_param wanted{};
+  wanted.sched_priority = priority;
+  const bool granted = sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
+  std::fprintf(stderr, "radio_bridge: real-time priority %s\n", granted ? "granted" : "not granted, going on without");
+}
+
+void waitUntil(double due, int descriptor) {
+  const double left = due - link::monotonicSeconds();
+  if (left <= 0) return;
+  timespec timeout{static_cast<time_t>(left), 0};
+  timeout.tv_nsec = static_cast<long>(1e9 * (left - static_cast<double>(timeout.tv_sec)));
+  pollfd waiting{descriptor, POLLIN, 0};
+  ppoll(&waiting, descriptor >= 0 ? 1 : 0, &timeout, nullptr);
+}
+
+void run(link::BridgeLoop& loop, link::BridgeLcm& lcm, link::Transport& transport) {
+  while (true) {
+    const double now = link::monotonicSeconds();
+    if (stop_signal != 0) loop.core().requestShutdown(now);
+    if (now >= loop.core().nextFrameTime()) {
+      loop.frame(now);
+      crash_descriptor = transport.connected() ? transport.descriptor() : -1;
+      lcm.notify();
+      if (loop.core().shutdownDone(now)) return;
+    } else {
+      loop.receive(now);
+      waitUntil(loop.core().nextFrameTime(), transport.connected() ? transport.descriptor() : -1);
+    }
+  }
+}
+
+int start(const Options& o) {
+  if (!o.create_key.empty()) {
+    link::createKeyFile(o.create_key);
+    std::printf("%s\n", o.create_key.c_str());
+    return 0;
+  }
+  std::set<std::string> allowed(o.allow.begin(), o.allow.end());
+  const bool blind = allowed.erase("no-readback") > 0;
+  const link::Protocol protocol = link::protocolFromName(o.protocol);
+  const bool can_ask = protocol == link::Protocol::MSP1 || protocol == link::Protocol::MSP2;
+  if (!can_ask && !blind) {
+    throw common::SettingError("radio bridge", "allow", "", "no-readback must be named: " + o.protocol + " cannot be asked");
+  }
+  const link::Key key = link::loadKeyFile(o.key_file);
+  const std::unique_ptr<link::Transport> transport = link::makeTransport(o.fc, link::lineSettings(protocol));
+  const std::int64_t session = link::randomId();
+  crash_frame = link::BridgeLoop::safeFrame(protocol);
+  link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
+  link::BridgeLcm lcm(o.lcm_url, key, session, loop.inbox(), loop.outbox());
+  std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(), o.protocol.c_str(),
+               o.lcm_url.c_str());
+  askForRealTime(o.realtime_priority);
+  run(loop, lcm, *transport);
+  std::fprintf(stderr, "radio_bridge: ended, throttle low and AUX1 low were sent for %.2f s\n", o.settings.exit_time);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  catchSignals();
+  CLI::App app{"Radio bridge: LCM pulse commands to remote-control frames, with its own watchdog"};
+  Options options;
+  addOptions(app, options);
+  try {
+    app.parse(argc, argv);
+    return start(options);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "radio_bridge: %s\n", error.what());
+    return 2;
+  }
+}
