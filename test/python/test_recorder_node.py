@@ -1,0 +1,121 @@
+"""The recording node with a stand-in for rospy: strict parameters, and a file that is right however the node ends."""
+
+import importlib
+import os
+import sys
+import tempfile
+import types
+import unittest
+from unittest import mock
+
+import synthetic_run
+from snapwing_tools import run_file, topics
+from snapwing_tools.errors import InputError
+
+
+class FakeRospy(types.ModuleType):
+    """Gives parameters, keeps the subscribers' callbacks, and shuts down after some polls."""
+
+    def __init__(self, parameters):
+        super().__init__("rospy")
+        self.parameters, self.callbacks, self.polls, self.on_poll, self.fatal = parameters, {}, 0, {}, []
+
+    def get_param(self, name, default):
+        return self.parameters if name == "~" else default
+
+    def get_time(self):
+        return synthetic_run.ORIGIN
+
+    def is_shutdown(self):
+        self.polls += 1
+        self.on_poll.get(self.polls, lambda: None)()
+        return self.polls > 4
+
+    def Subscriber(self, name, kind, callback, callback_args, **_):  # noqa: N802, the name is rospy's
+        self.callbacks[name] = lambda message: callback(message, callback_args)
+        return mock.Mock()
+
+    def init_node(self, name):
+        self.name = name
+
+    def loginfo(self, *_):
+        pass
+
+    def logfatal(self, text, *values):
+        self.fatal.append(text % values)
+
+
+class Node(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.output = os.path.join(self.folder.name, "run.h5")
+        self.rospy = FakeRospy({"output": self.output})
+        messages, imu = types.ModuleType("snapwing"), types.ModuleType("sensor_msgs.msg")
+        messages.msg, imu.Imu = mock.Mock(), mock.Mock()
+        modules = {"rospy": self.rospy, "snapwing": messages, "sensor_msgs": types.ModuleType("sensor_msgs"),
+                   "sensor_msgs.msg": imu}
+        self.patch = mock.patch.dict(sys.modules, modules)
+        self.patch.start()
+        sys.modules.pop("snapwing_tools.recorder_node", None)
+        self.node = importlib.import_module("snapwing_tools.recorder_node")
+
+    def tearDown(self):
+        self.patch.stop()
+        sys.modules.pop("snapwing_tools.recorder_node", None)
+        self.folder.cleanup()
+
+    def refused(self, pattern, **parameters):
+        self.rospy.parameters = parameters
+        with self.assertRaisesRegex(InputError, pattern):
+            self.node.read_parameters()
+
+    def test_wrong_parameters_are_named(self):
+        self.refused("~output = None", autosave_period=1.0)
+        self.refused("~output = 3", output=3)
+        self.refused("~outptu: unknown", output="run.h5", outptu="x")
+        self.refused("~autosave_period = 0.1: .* 0.5 .. 3600", output="run.h5", autosave_period=0.1)
+        self.refused("~autosave_period = 'often'", output="run.h5", autosave_period="often")
+        self.refused("~autosave_period = True", output="run.h5", autosave_period=True)
+
+    def test_wrong_parameter_ends_the_node_with_2(self):
+        self.rospy.parameters = {"output": os.path.join(self.folder.name, "absent", "run.h5")}
+        self.assertEqual(self.node.main(), 2)
+        self.assertIn("cannot write", self.rospy.fatal[0])
+
+    def test_subscribes_to_every_topic_and_closes_the_file(self):
+        def send():
+            self.rospy.callbacks["link_status"](synthetic_run.link_message(0.1, 1, 0, 0.0, False))
+        self.rospy.on_poll[2] = send
+        with mock.patch("builtins.print"):
+            self.assertEqual(self.node.main(), 0)
+        self.assertEqual(set(self.rospy.callbacks), {topic.name for topic in topics.SERIES + topics.LATCHED})
+        run = run_file.read_run(self.output)
+        self.assertEqual(run.attributes["ended"], "closed")
+        self.assertEqual(len(run.series["link_status"]["time"]), 1)
+
+    def test_killed_recorder_leaves_its_last_save(self):
+        seen = []
+
+        def send():
+            self.rospy.callbacks["link_status"](synthetic_run.link_message(0.1, 1, 0, 0.0, False))
+
+        def look():
+            run = run_file.read_run(self.output)
+            seen.append((run.attributes["ended"], len(run.series["link_status"]["time"])))
+        self.rospy.on_poll.update({1: look, 2: send, 4: look})
+        with mock.patch("builtins.print"):
+            self.node.record(self.output, 0.05, "")
+        self.assertEqual(seen, [("recording", 0), ("recording", 1)])
+
+    def test_vehicle_file_is_hashed(self):
+        vehicle = os.path.join(self.folder.name, "vehicle.yaml")
+        with open(vehicle, "w") as file:
+            file.write("name: x\n")
+        self.rospy.parameters = {"output": self.output, "vehicle_file": vehicle}
+        with mock.patch("builtins.print"):
+            self.node.main()
+        self.assertRegex(run_file.read_run(self.output).attributes["vehicle_sha256"], "^[0-9a-f]{64}$")
+
+
+if __name__ == "__main__":
+    unittest.main()
