@@ -64,10 +64,9 @@ rom::SnapPrediction Fleet::predict(int index, common::Mode start, const common::
 
 double Fleet::margin(const rom::SnapPrediction& prediction) const {
   if (settings_.allow_out_of_table) return prediction.energy_margin;
-  // Beyond the table or the stops by 10 mm costs as much as missing the whole barrier.
-  const double high = std::min(vehicle_.limits.travel_max, spline_.highest());
-  const double low = std::max(vehicle_.limits.travel_min, spline_.lowest());
-  const double beyond = std::max(prediction.peak_travel - high, low - prediction.least_travel);
+  // Stretched beyond the table or the stop by 10 mm costs as much as missing the whole barrier: the energy stored there
+  // is a guess. The other end does not count: what the model does not know there, a stop, only takes energy away.
+  const double beyond = prediction.peak_travel - std::min(vehicle_.limits.travel_max, spline_.highest());
   return beyond > 0 ? std::min(prediction.energy_margin, -beyond / 0.010) : prediction.energy_margin;
 }
 

@@ -251,14 +251,19 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
   }
 
   Search search(vehicle_, table_, settings_, start, trial, cancelled);
-  common::Pulse pulse = search.scan();
-  search.addCorners(pulse);
+  common::Pulse candidate = search.scan(), pulse;
+  search.addCorners(candidate);
   FleetOutcome outcome;
+  outcome.worst = -INFINITY;
   for (int round = 0; round < ROUNDS && !search.cancelled(); ++round) {
-    pulse = search.refine(pulse);
-    outcome = search.check(pulse);
-    if (outcome.worst >= settings_.required_margin) break;
-    search.learn(outcome.worst_index);
+    candidate = search.refine(candidate);
+    const FleetOutcome checked = search.check(candidate);
+    if (search.value(candidate, checked.worst) > search.value(pulse, outcome.worst)) {
+      pulse = candidate;
+      outcome = checked;
+    }
+    if (checked.worst >= 0.9 * settings_.enough_margin) break;
+    search.learn(checked.worst_index);
   }
   if (search.cancelled()) return refused(plan, "cancelled");
 

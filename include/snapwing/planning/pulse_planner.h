@@ -28,13 +28,13 @@ struct PlannerSettings {
   int corner_parameters = 4;      ///< every corner of this many parameters that matter most is checked as well, 0 .. 8
   int refine_evaluations = 60;    ///< of NLopt, at most
   double required_margin = 0.05;  ///< [1] worst margin that a plan must have, in units of the barrier
-  double enough_margin = 0.30;    ///< [1] worst margin beyond which a weaker and shorter pulse is preferred
+  double enough_margin = 0.20;    ///< [1] worst margin beyond which a weaker and shorter pulse is preferred
   double required_share = 1.0;    ///< [1] share of the realisations that must end in the target mode
   /// [1/s] margin that one second of full throttle must bring: prefers weak and short pulses when margins tie
   double impulse_price = 0.05;
   /// Uncertain pulse length in frames of the radio: start and end fall anywhere within a frame
   double frame_jitter = 1.0;
-  bool allow_out_of_table = false;  ///< accept pulses whose travel leaves the table or the vehicle's limits
+  bool allow_out_of_table = false;  ///< accept pulses that stretch u beyond the table or the upper limit of travel
   int threads = 2;                  ///< the result is the same for any number
   rom::LumpedSettings model;
   double model_step = 1e-3;  ///< [s] step of the model in the search; the check uses `model`'s

@@ -1,0 +1,90 @@
+#include "snapwing/planning/accident_margins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "snapwing/common/pulse.h"
+
+namespace snapwing::planning {
+
+namespace {
+
+constexpr double GRAVITY = 9.81;
+
+/// Largest x in [0, top] that survives, by bisection; infinity if even top does.
+template <typename Survives>
+double largestSurvived(double top, const Survives& survives) {
+  if (survives(top)) return std::numeric_limits<double>::infinity();
+  double low = 0, high = top;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (survives(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+bool stays(const rom::LumpedModel& model, common::Mode mode, double fraction, double duration,
+           const rom::Trial& trial) {
+  return model.predict(mode, fraction, duration, trial).end_mode == mode;
+}
+
+}  // namespace
+
+std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table) {
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table));
+  const common::VehicleParameters& p = model.parameters();
+  const double full = p.max_thrust;
+  const double weight = (p.ring_mass + p.centre_mass) * GRAVITY;
+  const common::Mode F = common::Mode::FIXED_WING, Q = common::Mode::QUADROTOR;
+  rom::Trial level;  // axis level, from rest
+  rom::Trial upright;
+  upright.gravity = GRAVITY;
+  upright.horizon = 1.0;
+  std::vector<AccidentMargin> list;
+
+  AccidentMargin thrust{"sudden thrust in F", "throttle jumps from idle and stays for half a second", F, "N"};
+  thrust.limit = full * largestSurvived(1.0, [&](double f) {
+                   rom::Trial trial = level;
+                   trial.final_thrust_fraction = f;  // stays: judged while it acts
+                   return stays(model, F, f, 0.5, trial);
+                 });
+  thrust.occurs = weight;
+  list.push_back(thrust);
+
+  AccidentMargin cut{"hover thrust cut in Q", "steady thrust falls to idle at once, vehicle at rest", Q, "N"};
+  cut.limit = full * largestSurvived(1.0, [&](double f) {
+                rom::Trial trial = level;
+                trial.initial_thrust_fraction = f;
+                return stays(model, Q, model.idleFraction(), 0.0, trial);
+              });
+  cut.occurs = weight;
+  list.push_back(cut);
+
+  AccidentMargin climb{"thrust cut while climbing in Q", "steady climb along the axis, then motors at idle", Q, "m/s"};
+  climb.limit = largestSurvived(40.0, [&](double speed) {
+    rom::Trial trial = upright;
+    trial.initial_speed = speed;
+    const double drag = (p.ring_drag + p.centre_drag) * speed * speed;
+    trial.initial_thrust_fraction = std::min(1.0, (weight + drag) / full);
+    return stays(model, Q, model.idleFraction(), 0.0, trial);
+  });
+  climb.occurs = std::numeric_limits<double>::quiet_NaN();
+  list.push_back(climb);
+
+  const rom::Equilibria& e = model.potential().equilibria();
+  AccidentMargin held{"ring held upright in F", "the centre hangs in the arms with its weight", F, "N"};
+  held.limit = e.peak_force;
+  held.occurs = p.centre_mass * GRAVITY;
+  list.push_back(held);
+
+  AccidentMargin inverted{"ring held inverted in Q", "the centre's weight pulls it back to F", Q, "N"};
+  inverted.limit = -e.valley_force;
+  inverted.occurs = p.centre_mass * GRAVITY;
+  list.push_back(inverted);
+
+  for (AccidentMargin& margin : list) margin.holds = !(margin.occurs >= margin.limit);
+  return list;
+}
+
+}  // namespace snapwing::planning

@@ -1,0 +1,165 @@
+// `snapwing plan`: the pulse that switches the mode for every vehicle in the uncertainty box, or why there is none.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <sstream>
+
+#include "commands.h"
+#include "prediction_json.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/planning/accident_margins.h"
+#include "snapwing/planning/pulse_planner.h"
+#include "trial_options.h"
+
+namespace snapwing::tools {
+
+namespace {
+
+struct PlanOptions {
+  std::string vehicle_file, table_file, json_file, map_file, start;
+  int map_size = 41;
+  bool accidents = false;
+  planning::PlannerSettings settings;
+  TrialOptions trial;
+};
+
+std::string mapCsv(const planning::OutcomeMap& map) {
+  std::ostringstream text;
+  text << "throttle,duration_s,share_switched,worst_margin\n";
+  text.precision(6);
+  for (const planning::OutcomeCell& cell : map.cells) {
+    text << cell.throttle << ',' << cell.duration << ',' << cell.share << ',' << cell.worst_margin << '\n';
+  }
+  return text.str();
+}
+
+nlohmann::ordered_json planJson(const planning::TransitionPlan& plan) {
+  nlohmann::ordered_json influences = nlohmann::ordered_json::array();
+  for (const auto& effect : plan.influences) {
+    influences.push_back(
+        {{"name", effect.name}, {"low_margin", effect.low_margin}, {"high_margin", effect.high_margin}});
+  }
+  nlohmann::ordered_json worst_coordinates;
+  const std::vector<std::string> names = planning::plannerCoordinateNames();
+  for (std::size_t i = 0; i < plan.worst_coordinates.size(); ++i)
+    worst_coordinates[names[i]] = plan.worst_coordinates[i];
+  return {{"start_mode", common::modeName(plan.start_mode)},
+          {"target_mode", common::modeName(plan.target_mode)},
+          {"accepted", plan.accepted},
+          {"reason", plan.reason},
+          {"pulse", pulseJson(plan.pulse)},
+          {"thrust_fraction", plan.thrust_fraction},
+          {"worst_margin", plan.worst_margin},
+          {"share_switched", plan.share_switched},
+          {"realisations", plan.realisations},
+          {"vertex_margin", plan.vertex_margin},
+          {"evaluations", plan.evaluations},
+          {"predictions", plan.predictions},
+          {"compute_seconds", plan.compute_seconds},
+          {"nominal", predictionJson(plan.nominal)},
+          {"worst", predictionJson(plan.worst)},
+          {"worst_coordinates", worst_coordinates},
+          {"influences", influences}};
+}
+
+nlohmann::ordered_json accidentsJson(const std::vector<planning::AccidentMargin>& margins) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& m : margins) {
+    list.push_back({{"name", m.name},
+                    {"explanation", m.explanation},
+                    {"mode", common::modeName(m.mode)},
+                    {"unit", m.unit},
+                    {"limit", m.limit},
+                    {"occurs", m.occurs},
+                    {"holds", m.holds}});
+  }
+  return list;
+}
+
+void printPlan(const planning::TransitionPlan& plan) {
+  if (!plan.accepted) {
+    std::printf("refused: %s\n", plan.reason.c_str());
+    if (plan.realisations == 0) return;
+  } else {
+    std::printf("plan %s -> %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n",
+                common::modeName(plan.start_mode).c_str(), common::modeName(plan.target_mode).c_str(),
+                plan.pulse.throttle, 100.0 * plan.thrust_fraction, plan.pulse.duration);
+  }
+  std::printf("worst margin %+.3f, %.1f %% of %d vehicles switch; %d pulses, %ld trials in %.2f s\n", plan.worst_margin,
+              100.0 * plan.share_switched, plan.realisations, plan.evaluations, plan.predictions, plan.compute_seconds);
+  std::printf("nominal: %s\nworst:   %s\n", predictionLine(plan.nominal).c_str(), predictionLine(plan.worst).c_str());
+  std::printf("with every uncertain number at its bad end at once the margin is %+.3f\n", plan.vertex_margin);
+}
+
+void printAccidents(const std::vector<planning::AccidentMargin>& margins) {
+  std::printf("what may flip the mode by accident (nominal vehicle):\n");
+  for (const auto& m : margins) {
+    std::printf("  %-34s limit %8.2f %-4s", m.name.c_str(), m.limit, m.unit.c_str());
+    if (!std::isnan(m.occurs)) std::printf(" met %6.2f %-4s %s", m.occurs, m.unit.c_str(), m.holds ? "holds" : "FLIPS");
+    std::printf("\n");
+  }
+}
+
+int plan(const PlanOptions& options) {
+  const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
+  const std::string table_file = chooseTable(vehicle, options.table_file);
+  const common::ForceTable table = common::loadForceTable(table_file);
+  const common::Mode start = common::modeFromName(options.start);
+  const rom::Trial trial = options.trial.trial();
+  const planning::PulsePlanner planner(vehicle, table, options.settings);
+
+  const auto begin = std::chrono::steady_clock::now();
+  planning::TransitionPlan result = planner.plan(start, trial);
+  result.compute_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  printPlan(result);
+  if (!options.map_file.empty()) {
+    common::writeFileAtomically(options.map_file,
+                                mapCsv(planner.map(start, trial, options.map_size, options.map_size)));
+  }
+  std::vector<planning::AccidentMargin> accidents;
+  if (options.accidents) {
+    accidents = planning::accidentMargins(vehicle, table);
+    printAccidents(accidents);
+  }
+  if (!options.json_file.empty()) {
+    nlohmann::ordered_json json = {
+        {"inputs", inputsJson(vehicle, table_file)}, {"trial", trialJson(trial)}, {"plan", planJson(result)}};
+    if (options.accidents) json["accidents"] = accidentsJson(accidents);
+    common::writeFileAtomically(options.json_file, json.dump(2) + "\n");
+  }
+  return result.accepted ? 0 : 1;
+}
+
+}  // namespace
+
+void addPlanCommand(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<PlanOptions>();
+  planning::PlannerSettings& s = options->settings;
+  CLI::App* command = app.add_subcommand("plan", "find the pulse that switches the mode for the whole uncertainty");
+  command->add_option("vehicle", options->vehicle_file, "vehicle file [YAML]")->required();
+  command->add_option("--from", options->start, "mode at the start: F or Q")->required();
+  options->trial.addTo(*command);
+  command->add_option("--table", options->table_file, "force table [HDF5]; default: the vehicle file's");
+  command->add_option("--samples", s.verify_samples, "fresh vehicles that check the plan")->capture_default_str();
+  command->add_option("--search-samples", s.search_samples, "vehicles during the search")->capture_default_str();
+  command->add_option("--required-margin", s.required_margin, "worst margin of an accepted plan [barriers]")
+      ->capture_default_str();
+  command->add_option("--enough-margin", s.enough_margin, "margin from which a shorter pulse is better [barriers]")
+      ->capture_default_str();
+  command->add_option("--required-share", s.required_share, "share of the vehicles that must switch (0 .. 1]")
+      ->capture_default_str();
+  command->add_option("--throttle-max", s.throttle_max, "stick travel [0 .. 1]")->capture_default_str();
+  command->add_option("--duration-max", s.duration_max, "longest pulse [s]")->capture_default_str();
+  command->add_option("--threads", s.threads, "the result is the same for any number")->capture_default_str();
+  command->add_flag("--accidents", options->accidents, "also report what may flip the mode by accident");
+  command->add_option("--json", options->json_file, "write the plan here");
+  command->add_option("--map", options->map_file, "write the outcome map here [CSV]: share and worst margin");
+  command->add_option("--map-size", options->map_size, "pulses along each side of the map")
+      ->check(CLI::Range(2, 500))
+      ->capture_default_str();
+  command->footer("Exit code: 0 a safe pulse was found, 1 refused with a reason, 2 bad input.");
+  command->callback([options, &exit_code] { exit_code = plan(*options); });
+}
+
+}  // namespace snapwing::tools

@@ -1,0 +1,103 @@
+// `snapwing predict`: what one pulse does to the nominal vehicle, by the reduced model.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <sstream>
+
+#include "commands.h"
+#include "prediction_json.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/rom/lumped_model.h"
+#include "trial_options.h"
+
+namespace snapwing::tools {
+
+namespace {
+
+struct PredictOptions {
+  std::string vehicle_file, table_file, json_file, csv_file, start;
+  common::Pulse pulse;
+  double step = rom::LumpedSettings().step;
+  TrialOptions trial;
+};
+
+/// One row per step; the header names the units.
+class TrajectoryCsv {
+ public:
+  TrajectoryCsv() {
+    text_ << "time_s,travel_m,travel_rate_m_per_s,ring_position_m,ring_speed_m_per_s,centre_speed_m_per_s,thrust_N\n";
+    text_.precision(9);
+  }
+  void add(const rom::LumpedState& s) {
+    text_ << s.time << ',' << s.travel << ',' << s.travelRate() << ',' << s.position << ',' << s.ring_speed << ','
+          << s.centre_speed << ',' << s.thrust << '\n';
+  }
+  std::string text() const { return text_.str(); }
+
+ private:
+  std::ostringstream text_;
+};
+
+int predict(const PredictOptions& options) {
+  const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
+  const std::string table_file = chooseTable(vehicle, options.table_file);
+  const common::ForceTable table = common::loadForceTable(table_file);
+  const common::Mode start = common::modeFromName(options.start);
+  const rom::Trial trial = options.trial.trial();
+  rom::LumpedSettings settings;
+  settings.step = options.step;
+  const rom::LumpedModel model =
+      rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), settings);
+
+  TrajectoryCsv csv;
+  rom::LumpedObserver observer;
+  if (!options.csv_file.empty()) {
+    observer = [&csv](const rom::LumpedState& state) {
+      csv.add(state);
+      return true;
+    };
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  rom::SnapPrediction prediction = model.predict(start, options.pulse, vehicle.radio, trial, observer);
+  prediction.compute_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+
+  std::printf("%s, %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
+              rom::mountName(trial.mount).c_str(), options.pulse.throttle,
+              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
+  std::printf("%s\n", predictionLine(prediction).c_str());
+  if (!prediction.start_held)
+    std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());
+  if (!options.csv_file.empty()) common::writeFileAtomically(options.csv_file, csv.text());
+  if (!options.json_file.empty()) {
+    nlohmann::ordered_json json = {{"inputs", inputsJson(vehicle, table_file)},
+                                   {"trial", trialJson(trial)},
+                                   {"pulse", pulseJson(options.pulse)},
+                                   {"prediction", predictionJson(prediction)}};
+    common::writeFileAtomically(options.json_file, json.dump(2) + "\n");
+  }
+  return prediction.end_mode == common::Mode::UNKNOWN ? 1 : 0;
+}
+
+}  // namespace
+
+void addPredictCommand(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<PredictOptions>();
+  CLI::App* command = app.add_subcommand("predict", "what a thrust pulse does, by the reduced model");
+  command->add_option("vehicle", options->vehicle_file, "vehicle file [YAML]")->required();
+  command->add_option("--from", options->start, "mode at the start: F or Q")->required();
+  command->add_option("--throttle", options->pulse.throttle, "stick travel [0 .. 1]")
+      ->required()
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--duration", options->pulse.duration, "of the command [s]")
+      ->required()
+      ->check(CLI::Range(0.0, 60.0));
+  options->trial.addTo(*command);
+  command->add_option("--table", options->table_file, "force table [HDF5]; default: the vehicle file's");
+  command->add_option("--step", options->step, "largest time step [s]")->capture_default_str();
+  command->add_option("--json", options->json_file, "write the prediction here");
+  command->add_option("--csv", options->csv_file, "write the trajectory here, one row a step");
+  command->footer("Exit code: 0 settled in F or Q, 1 not settled within the horizon, 2 bad input.");
+  command->callback([options, &exit_code] { exit_code = predict(*options); });
+}
+
+}  // namespace snapwing::tools

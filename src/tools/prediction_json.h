@@ -1,0 +1,26 @@
+#pragma once
+/// JSON of predictions and plans, shared by the commands. Keys follow the messages; NaN becomes null.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/pulse.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/rom/trial.h"
+
+namespace snapwing::tools {
+
+nlohmann::ordered_json predictionJson(const rom::SnapPrediction& prediction);
+nlohmann::ordered_json pulseJson(const common::Pulse& pulse);
+nlohmann::ordered_json trialJson(const rom::Trial& trial);
+/// Vehicle and table with their hashes.
+nlohmann::ordered_json inputsJson(const common::Vehicle& vehicle, const std::string& table_file);
+
+/// The table file asked for, or the vehicle's own.
+std::string chooseTable(const common::Vehicle& vehicle, const std::string& asked);
+
+/// One line: "ends in Q, switched after 0.123 s, ..."
+std::string predictionLine(const rom::SnapPrediction& prediction);
+
+}  // namespace snapwing::tools

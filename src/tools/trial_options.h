@@ -1,0 +1,47 @@
+#pragma once
+/// Options that describe a trial, shared by predict and plan.
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "snapwing/rom/trial.h"
+
+namespace snapwing::tools {
+
+struct TrialOptions {
+  std::string mount = "boom";
+  double gravity = 0;
+  double initial_speed = 0;
+  std::optional<double> initial_thrust, final_thrust;
+  double horizon = 2.0;
+
+  void addTo(CLI::App& command) {
+    command.add_option("--mount", mount, "free (flight), boom (the paper's stand) or held (ring stands still)")
+        ->check(CLI::IsMember({"free", "boom", "held"}))
+        ->capture_default_str();
+    command.add_option("--gravity", gravity, "pull against the thrust axis [m/s2]: 9.81 upright, -9.81 inverted")
+        ->capture_default_str();
+    command.add_option("--initial-speed", initial_speed, "along the thrust axis [m/s]")->capture_default_str();
+    command.add_option("--initial-thrust", initial_thrust,
+                       "steady thrust before the pulse / full thrust [0 .. 1]; default: motors idle");
+    command.add_option("--final-thrust", final_thrust,
+                       "thrust after the pulse / full thrust [0 .. 1]; default: motors idle");
+    command.add_option("--horizon", horizon, "longest time watched after the pulse [s]")->capture_default_str();
+  }
+
+  /// @throws common::Error
+  rom::Trial trial() const {
+    rom::Trial result;
+    result.mount = rom::mountFromName(mount);
+    result.gravity = gravity;
+    result.initial_speed = initial_speed;
+    result.initial_thrust_fraction = initial_thrust;
+    result.final_thrust_fraction = final_thrust;
+    result.horizon = horizon;
+    result.validate();
+    return result;
+  }
+};
+
+}  // namespace snapwing::tools
