@@ -80,11 +80,14 @@ class Plant {
   };
   double armForce(double travel) const;
   double armEnergy(double travel) const;
-  double handForce(double ring_speed, double other_force, double travel) const;
+  double handForce(double ring_speed, double travel) const;
   Rates accelerations(double ring_position, double ring_speed, double centre_position, double centre_speed,
                       double thrust) const;
+  Rates present() const;
+  double thrustAfter(double dt, std::vector<double>* each) const;
   void stepOnce(double dt);
-  void hitStops();
+  void hitStop(double limit);
+  bool ringFixed() const { return settings_.mount == PlantMount::HELD || locked_; }
 
   common::VehicleParameters parameters_;
   PlantSettings settings_;
@@ -95,6 +98,7 @@ class Plant {
   std::vector<double> outputs_;
   PlantState state_;
   bool hand_ = false;
+  bool locked_ = false;  ///< the hand has brought the ring to rest and holds it firmly
 };
 
 /// Parameters of one simulated vehicle, uniform in the uncertainty box of the vehicle file.
