@@ -54,7 +54,7 @@ std::uint32_t StandinController::computeFlags(double now) const {
   if (now - last_good_ > settings_.rxloss_after || now - good_since_ < settings_.rxloss_clear) flags |= FLAG_RXLOSS;
   if (failsafe_) flags |= FLAG_FAILSAFE;
   if (not_disarmed_) flags |= FLAG_NOT_DISARMED;
-  if (!armed_ && values_.us[THROTTLE] >= settings_.min_check) flags |= FLAG_THROTTLE;
+  if (!armed_ && throttleInForce(now) >= settings_.min_check) flags |= FLAG_THROTTLE;
   if (now - boot_time_ < settings_.boot_grace) flags |= FLAG_BOOTGRACE;
   if (arm_switch_latched_) flags |= FLAG_ARMSWITCH;
   return flags;
@@ -65,7 +65,6 @@ void StandinController::updateFailsafe(double now) {
     armed_ = false;
     failsafe_ = true;
     arm_at_ = -1;
-    if (switch_on_) not_disarmed_ = true;
   }
   const bool streaming = now - last_good_ <= settings_.rxloss_after && now - good_since_ >= settings_.failsafe_recovery;
   if (failsafe_ && streaming && !switch_on_) failsafe_ = false;
@@ -81,7 +80,7 @@ void StandinController::updateArming(double now) {
     arm_at_ = -1;
     return;
   }
-  if (armed_) return;
+  if (armed_ || failsafe_) return;  // failsafe itself lasts until the switch is off
   const std::uint32_t flags = computeFlags(now);
   if (flags != 0) {
     arm_switch_latched_ = true;

@@ -155,6 +155,15 @@ int start(const Options& o) {
   return 0;
 }
 
+/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11 wants.
+std::vector<std::string> ownArguments(int argc, char** argv) {
+  std::vector<std::string> own;
+  for (int i = argc - 1; i > 0; --i) {
+    if (std::string(argv[i]).find(":=") == std::string::npos) own.emplace_back(argv[i]);
+  }
+  return own;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -163,7 +172,7 @@ int main(int argc, char** argv) {
   Options options;
   addOptions(app, options);
   try {
-    app.parse(argc, argv);
+    app.parse(ownArguments(argc, argv));
     return start(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

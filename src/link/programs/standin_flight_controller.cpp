@@ -224,6 +224,15 @@ int run(const Options& o) {
   return 0;
 }
 
+/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11 wants.
+std::vector<std::string> ownArguments(int argc, char** argv) {
+  std::vector<std::string> own;
+  for (int i = argc - 1; i > 0; --i) {
+    if (std::string(argv[i]).find(":=") == std::string::npos) own.emplace_back(argv[i]);
+  }
+  return own;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -250,7 +259,7 @@ int main(int argc, char** argv) {
   signal(SIGTERM, onStop);
   signal(SIGPIPE, SIG_IGN);
   try {
-    app.parse(argc, argv);
+    app.parse(ownArguments(argc, argv));
     o.settings.failsafe_delay = o.settings.failsafe.delay;
     return run(o);
   } catch (const CLI::ParseError& error) {
