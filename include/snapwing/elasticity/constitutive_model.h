@@ -1,0 +1,57 @@
+#pragma once
+/// What a hyperelastic law gives at one material point: energy, first Piola stress and tangent.
+
+#include <Eigen/Core>
+
+namespace snapwing::elasticity {
+
+template <int D>
+using Matrix = Eigen::Matrix<double, D, D>;
+/// dP/dF with vec() by columns: entry (i + D j, k + D l) = dP_ij / dF_kl.
+template <int D>
+using FullTangent = Eigen::Matrix<double, D * D, D * D>;
+
+enum class Order {
+  ENERGY,     ///< energy only
+  STRESS,     ///< and stress
+  TANGENT,    ///< and the exact tangent
+  PROJECTED,  ///< and the tangent with its negative eigenvalues set to zero
+};
+
+/// Isotropic tangents in the form that assembly is fast with:
+///   dP = a dF + b (Q : dF) Q + c Q dF^T Q + a0 dF + b0 tr(dF) I + c0 dF^T,   Q = F^-T
+template <int D>
+struct CompactTangent {
+  double a = 0, b = 0, c = 0;
+  Matrix<D> q = Matrix<D>::Zero();
+  double a0 = 0, b0 = 0, c0 = 0;
+
+  FullTangent<D> full() const;
+  Matrix<D> times(const Matrix<D>& d_f) const;
+};
+
+/// Quantities per reference volume. Only what the asked order covers is filled.
+template <int D>
+struct Response {
+  double energy = 0;                           ///< W [J/m3]
+  Matrix<D> stress = Matrix<D>::Zero();        ///< P = dW/dF [Pa]
+  bool compact = true;                         ///< tangent in `tangent`, else in `full`
+  CompactTangent<D> tangent;                   ///< [Pa]
+  FullTangent<D> full = FullTangent<D>::Zero();  ///< [Pa], symmetric
+  double det_f = 1;                            ///< det of the deformation gradient that the law sees
+};
+
+/// A law W(F, density). Thread-safe: const and without state.
+template <int D>
+class ConstitutiveModel {
+ public:
+  virtual ~ConstitutiveModel() = default;
+  /// @param f        deformation gradient [1]
+  /// @param density  of the cell, in [0, 1]
+  /// @return false if the energy is infinite there (turned inside out); `out` then holds only det_f
+  virtual bool evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const = 0;
+  /// Explicit derivatives by the density at fixed F: dW/drho and dP/drho. Same return value as evaluate().
+  virtual bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const = 0;
+};
+
+}  // namespace snapwing::elasticity

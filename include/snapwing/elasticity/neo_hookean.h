@@ -1,0 +1,54 @@
+#pragma once
+/// Compressible neo-Hookean law, W = mu/2 (I1 - d) - mu ln J + lambda/2 ln^2 J, with a density interpolation.
+///
+/// Every variant has the form W = mu/2 |F|^2 + g(ln J), J the planar (D = 2) or spatial determinant, so that
+///   P = mu F + g' F^-T,   dP = mu dF + (g'' Q:dF) Q - g' Q dF^T Q,   Q = F^-T.
+/// Plane stress: the thickness stretch e^t follows from P33 = 0, mu (e^2t - 1) + lambda (ln J + t) = 0, and g'' holds
+/// its consistent change.
+
+#include "snapwing/elasticity/constitutive_model.h"
+#include "snapwing/elasticity/density_interpolation.h"
+#include "snapwing/elasticity/material.h"
+
+namespace snapwing::elasticity {
+
+/// Parts of the energy, for selective reduced integration.
+enum class Part {
+  ALL,
+  SHEAR,   ///< mu/2 (I1 - d) - mu ln J
+  VOLUME,  ///< lambda/2 ln^2 J
+};
+
+/// D = 2 (plane strain or plane stress) or 3.
+template <int D>
+class NeoHookean : public ConstitutiveModel<D> {
+ public:
+  /// @param plane  only for D = 2
+  /// @param part   plane stress has no volumetric locking and takes only ALL
+  /// @throws common::Error for constants out of range
+  NeoHookean(const Material& material, const DensityInterpolation& interpolation, Plane plane = Plane::STRAIN,
+             Part part = Part::ALL);
+
+  bool evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const override;
+  bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const override;
+
+ private:
+  /// Function of z = ln J beside mu/2 |F|^2, with the constant that makes W zero at rest.
+  struct Volumetric {
+    double g, slope, curvature;
+  };
+  Volumetric volumetric(double z) const;
+  /// Hyperelastic part at F; false if det F <= 0.
+  bool hyperelastic(const Matrix<D>& f, Response<D>& out) const;
+  double linearEnergy(const Matrix<D>& h) const;
+  Matrix<D> linearStress(const Matrix<D>& h) const;
+  FullTangent<D> projected(const Matrix<D>& f) const;
+
+  DensityInterpolation interpolation_;
+  bool plane_stress_;
+  double mu_, lambda_;                ///< moduli of the chosen part
+  double log_mu_;                     ///< factor of -ln J
+  double linear_lambda_;              ///< of the linear law at small strain
+};
+
+}  // namespace snapwing::elasticity

@@ -1,0 +1,32 @@
+#pragma once
+/// Density on a regular planar grid, as an arm design is stored and exchanged.
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace snapwing::mpm {
+
+/// Cells outside of the design domain are absent (negative).
+struct DensityField {
+  double cell_size = 0;            ///< [m]
+  std::array<int, 2> cells{};      ///< along x, y; lower corner at the origin
+  std::vector<double> value;       ///< rho in [0, 1], x fastest; -1 where there is no cell
+
+  double at(int i, int j) const { return value[static_cast<std::size_t>(j) * cells[0] + i]; }
+  bool present(int i, int j) const { return i >= 0 && j >= 0 && i < cells[0] && j < cells[1] && at(i, j) >= 0; }
+
+  /// The same field on cells of another size that divides the extent: area average over what is present.
+  /// A new cell exists if more than half of it is covered. @throws common::Error if the size does not divide
+  DensityField resampled(double new_cell_size) const;
+};
+
+/// Reads lines "i,j,rho" (comments start with #, one header line).
+/// @param length  extent of the domain along x [m], height along y: cells must be square and fill it
+/// @throws common::FileError
+DensityField loadDensityCsv(const std::string& path, double length, double height);
+
+/// Closed loops of the level set rho = level (linear between cell centres, void outside), in metres.
+std::vector<std::vector<std::array<double, 2>>> outline(const DensityField& field, double level);
+
+}  // namespace snapwing::mpm

@@ -1,0 +1,70 @@
+#pragma once
+/// One arm of a vehicle as a planar solid: density per cell, the housing drives the leg's face, the axle is a line pin.
+
+#include <memory>
+#include <string>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/elasticity/density_interpolation.h"
+#include "snapwing/elasticity/material.h"
+#include "snapwing/mpm/density_field.h"
+#include "snapwing/statics/path.h"
+
+namespace snapwing::statics {
+
+struct ArmProblemSettings {
+  double cell_size = 0;  ///< [m], 0 = that of the design
+  elasticity::Plane plane = elasticity::Plane::STRESS;
+  elasticity::DensityInterpolation interpolation;
+  int threads = 1;
+};
+
+/// The problem has one control: the travel u of the housing, positive downwards in arm coordinates.
+class ArmProblem {
+ public:
+  /// @param design  density of the L-shaped domain
+  /// @throws common::Error if pin or clamp do not meet material
+  ArmProblem(const common::ArmSettings& arm, const elasticity::Material& material, const mpm::DensityField& design,
+             const ArmProblemSettings& settings);
+
+  const SolidProblem<2>& problem() const { return *problem_; }
+  const mpm::DensityField& field() const { return field_; }
+  /// Rotation of the bar's outer end about the axle [rad], positive as u grows: the rotation that fits the nodes within
+  /// 4 mm of the axle best (least squares).
+  double rotation(const Eigen::VectorXd& z, double travel) const;
+  /// Loops of the design's outline, and the same moved.
+  std::vector<std::vector<std::array<double, 2>>> restShapes() const { return mpm::outline(field_, 0.5); }
+  std::vector<std::vector<std::array<double, 2>>> movedShapes(const Eigen::VectorXd& z, double travel) const;
+
+ private:
+  Eigen::VectorXd displacements(const Eigen::VectorXd& z, double travel) const;
+
+  common::ArmSettings arm_;
+  mpm::DensityField field_;
+  std::unique_ptr<SolidProblem<2>> problem_;
+};
+
+struct ArmCurveSettings {
+  double from = -0.015;  ///< [m] <= 0
+  double to = 0.080;     ///< [m] > 0
+  double step = 0.001;   ///< [m] > 0
+  bool back = true;      ///< trace to -> 0 as well
+  PathSettings path;
+  /// Told the share that is done and the travel [m]; true cancels.
+  std::function<bool(double share, double travel)> progress;
+  void validate() const;
+};
+
+struct ArmCurve {
+  SolveStatus status = SolveStatus::NOT_SOLVED;
+  std::string message;
+  common::ForceTable table;  ///< without provenance
+  int iterations = 0, factorizations = 0, projections = 0, halvings = 0;
+  double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;
+};
+
+/// Traces 0 -> to, back to 0 if wished, and 0 -> from.
+ArmCurve traceArm(const ArmProblem& arm, const ArmCurveSettings& settings);
+
+}  // namespace snapwing::statics

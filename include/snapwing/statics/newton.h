@@ -1,0 +1,79 @@
+#pragma once
+/// Newton's method on the potential of a problem, with the exact tangent, projection on demand and a line search.
+///
+/// Converged: |r| <= max(relative_tolerance * force_scale, forceFloor()). A step d solves H d = -r with the exact H; only
+/// if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps are shortened
+/// until the potential falls (Armijo) and no particle is turned inside out.
+
+#include <functional>
+#include <string>
+
+#include "snapwing/statics/problem.h"
+
+namespace snapwing::statics {
+
+enum class SolveStatus {
+  NOT_SOLVED,
+  CONVERGED,
+  ITERATION_LIMIT,
+  INVERTED_START,      ///< the first guess turns material inside out
+  LINE_SEARCH_FAILED,  ///< no step along the direction lowers the potential
+  SINGULAR,            ///< even the projected Hessian has no factor: something is not supported
+  CANCELLED,
+};
+std::string statusName(SolveStatus status);
+
+enum class Projection {
+  ON_DEMAND,  ///< exact tangent, projected only where it has no Cholesky factor
+  ALWAYS,     ///< for comparison
+};
+
+struct NewtonSettings {
+  int max_iterations = 60;           ///< [1] >= 1
+  double relative_tolerance = 1e-9;  ///< [1] in (0, 1e-2]
+  Projection projection = Projection::ON_DEMAND;
+  /// Asked before each iteration; true stops.
+  std::function<bool()> cancelled;
+  /// @throws common::Error naming the field
+  void validate() const;
+};
+
+struct NewtonResult {
+  SolveStatus status = SolveStatus::NOT_SOLVED;
+  std::string message;     ///< what failed and where
+  int iterations = 0;      ///< linear systems solved
+  int factorizations = 0;  ///< tries of Cholesky, failed ones too
+  int projections = 0;     ///< iterations that needed the projected Hessian
+  double residual = std::numeric_limits<double>::quiet_NaN();  ///< |r| [N]
+  bool converged() const { return status == SolveStatus::CONVERGED; }
+};
+
+/// Keeps the factor's symbolic part; one object per problem and thread.
+class Newton {
+ public:
+  /// @param problem  must outlive this
+  Newton(const Problem& problem, NewtonSettings settings);
+
+  /// @param p  controls
+  /// @param z  in: first guess; out: solution if converged, else where it stopped
+  /// On success `at` holds the evaluation of order TANGENT at z.
+  NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at);
+
+  Cholesky& cholesky() { return cholesky_; }
+  double secondsAssembly() const { return seconds_assembly_; }
+
+ private:
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at);
+  bool direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
+                 NewtonResult& result);
+  bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
+  double tolerance(const Evaluation& at) const;
+
+  const Problem& problem_;
+  NewtonSettings settings_;
+  Cholesky cholesky_;
+  Evaluation trial_;
+  double seconds_assembly_ = 0;
+};
+
+}  // namespace snapwing::statics

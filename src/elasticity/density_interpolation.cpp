@@ -1,0 +1,36 @@
+#include "snapwing/elasticity/density_interpolation.h"
+
+#include <cmath>
+#include <string>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::elasticity {
+
+DensityInterpolation::Value DensityInterpolation::at(double density) const {
+  // Solid cells are the rule, and then nothing must be rounded.
+  const double power_slope = power * std::pow(density, power - 1);
+  if (density >= 1) {
+    const double th = std::tanh(sharpness * (1 - threshold));
+    return {1, (1 - void_stiffness) * power_slope, 1,
+            sharpness * (1 - th * th) / (std::tanh(sharpness * threshold) + th) * power_slope};
+  }
+  const double raised = std::pow(density, power);
+  const double low = std::tanh(sharpness * threshold);
+  const double span = low + std::tanh(sharpness * (1 - threshold));
+  const double th = std::tanh(sharpness * (raised - threshold));
+  return {void_stiffness + (1 - void_stiffness) * raised, (1 - void_stiffness) * power_slope, (low + th) / span,
+          sharpness * (1 - th * th) / span * power_slope};
+}
+
+void DensityInterpolation::validate() const {
+  const auto check = [](bool good, const char* name, double value, const char* allowed) {
+    if (!good) throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);
+  };
+  check(void_stiffness > 0 && void_stiffness < 1, "void_stiffness", void_stiffness, "in (0, 1)");
+  check(power >= 1 && power <= 10, "power", power, "1 .. 10");
+  check(sharpness > 0 && sharpness < 1e6, "sharpness", sharpness, "in (0, 1e6)");
+  check(threshold > 0 && threshold < 1, "threshold", threshold, "in (0, 1)");
+}
+
+}  // namespace snapwing::elasticity

@@ -1,0 +1,172 @@
+#include "snapwing/elasticity/neo_hookean.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::elasticity {
+
+template <int D>
+FullTangent<D> CompactTangent<D>::full() const {
+  FullTangent<D> result;
+  for (int l = 0; l < D; ++l) {
+    for (int k = 0; k < D; ++k) {
+      Matrix<D> unit = Matrix<D>::Zero();
+      unit(k, l) = 1;
+      const Matrix<D> column = times(unit);
+      result.col(k + D * l) = Eigen::Map<const Eigen::Matrix<double, D * D, 1>>(column.data());
+    }
+  }
+  return result;
+}
+
+template <int D>
+Matrix<D> CompactTangent<D>::times(const Matrix<D>& d_f) const {
+  return (a + a0) * d_f + b * q.cwiseProduct(d_f).sum() * q + c * q * d_f.transpose() * q +
+         b0 * d_f.trace() * Matrix<D>::Identity() + c0 * d_f.transpose();
+}
+
+template <int D>
+NeoHookean<D>::NeoHookean(const Material& material, const DensityInterpolation& interpolation, Plane plane, Part part)
+    : interpolation_(interpolation), plane_stress_(D == 2 && plane == Plane::STRESS) {
+  material.validate();
+  interpolation.validate();
+  if (plane_stress_ && part != Part::ALL) throw common::Error("plane stress takes only the whole energy");
+  mu_ = part == Part::VOLUME ? 0 : material.mu();
+  log_mu_ = mu_;
+  lambda_ = part == Part::SHEAR ? 0 : material.lambda();
+  linear_lambda_ = plane_stress_ ? 2 * mu_ * lambda_ / (lambda_ + 2 * mu_) : lambda_;
+}
+
+template <int D>
+typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
+  if (!plane_stress_) return {-log_mu_ * z + 0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
+  // Monotone and convex in t: Newton from the left-hand linear guess ends within a few rounds.
+  double t = -lambda_ * z / (2 * mu_ + lambda_);
+  for (int i = 0; i < 60; ++i) {
+    const double value = mu_ * std::expm1(2 * t) + lambda_ * (z + t);
+    const double slope = 2 * mu_ * std::exp(2 * t) + lambda_;
+    const double step = value / slope;
+    t -= step;
+    if (std::abs(step) < 1e-15 * (1 + std::abs(t))) break;
+  }
+  const double squared = std::exp(2 * t), sum = z + t;
+  return {0.5 * mu_ * std::expm1(2 * t) - mu_ * sum + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
+          lambda_ * 2 * mu_ * squared / (2 * mu_ * squared + lambda_)};
+}
+
+template <int D>
+bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
+  out.det_f = f.determinant();
+  if (!(out.det_f > 0)) return false;
+  const Matrix<D> q = f.inverse().transpose();
+  const Volumetric v = volumetric(std::log(out.det_f));
+  // |F|^2 - D from H keeps its digits at small strain.
+  const Matrix<D> h = f - Matrix<D>::Identity();
+  out.energy = 0.5 * mu_ * (h.squaredNorm() + 2 * h.trace()) + v.g;
+  out.stress = mu_ * f + v.slope * q;
+  out.compact = true;
+  out.tangent.a = mu_;
+  out.tangent.b = v.curvature;
+  out.tangent.c = -v.slope;
+  out.tangent.q = q;
+  out.tangent.a0 = out.tangent.b0 = out.tangent.c0 = 0;
+  return true;
+}
+
+template <int D>
+double NeoHookean<D>::linearEnergy(const Matrix<D>& h) const {
+  const double trace = h.trace();
+  return 0.25 * mu_ * (h + h.transpose()).squaredNorm() + 0.5 * linear_lambda_ * trace * trace;
+}
+
+template <int D>
+Matrix<D> NeoHookean<D>::linearStress(const Matrix<D>& h) const {
+  return mu_ * (h + h.transpose()) + linear_lambda_ * h.trace() * Matrix<D>::Identity();
+}
+
+/// Closed form in the frame of the singular values s: d scaling modes from a d x d matrix, and for each pair of axes a
+/// twist, mu + g'/(s_i s_j), and a flip, mu - g'/(s_i s_j).
+template <int D>
+FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f) const {
+  using Vector = Eigen::Matrix<double, D, 1>;
+  const Eigen::JacobiSVD<Matrix<D>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Vector s = svd.singularValues();
+  const Volumetric v = volumetric(std::log(f.determinant()));
+  FullTangent<D> result = FullTangent<D>::Zero();
+  const auto add = [&](const Matrix<D>& mode, double value) {
+    if (value <= 0) return;
+    const Matrix<D> turned = svd.matrixU() * mode * svd.matrixV().transpose();
+    const Eigen::Map<const Eigen::Matrix<double, D * D, 1>> vector(turned.data());
+    result += value * vector * vector.transpose();
+  };
+  Matrix<D> scaling;
+  for (int i = 0; i < D; ++i) {
+    for (int j = 0; j < D; ++j) {
+      scaling(i, j) = v.curvature / (s(i) * s(j)) + (i == j ? mu_ - v.slope / (s(i) * s(i)) : 0.0);
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix<D>> eigen(scaling);
+  for (int i = 0; i < D; ++i) add(eigen.eigenvectors().col(i).asDiagonal(), eigen.eigenvalues()(i));
+  for (int i = 0; i < D; ++i) {
+    for (int j = i + 1; j < D; ++j) {
+      Matrix<D> mode = Matrix<D>::Zero();
+      mode(i, j) = mode(j, i) = std::sqrt(0.5);
+      add(mode, mu_ - v.slope / (s(i) * s(j)));
+      mode(i, j) = -mode(i, j);
+      add(mode, mu_ + v.slope / (s(i) * s(j)));
+    }
+  }
+  return result;
+}
+
+template <int D>
+bool NeoHookean<D>::evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const {
+  const DensityInterpolation::Value m = interpolation_.at(density);
+  const Matrix<D> h = f - Matrix<D>::Identity();
+  const Matrix<D> mixed = Matrix<D>::Identity() + m.mix * h;
+  if (!hyperelastic(mixed, out)) return false;
+  const double rest = 1 - m.mix * m.mix;
+  out.energy = m.stiffness * (out.energy + rest * linearEnergy(h));
+  if (order == Order::ENERGY) return true;
+  out.stress = m.stiffness * (m.mix * out.stress + rest * linearStress(h));
+  if (order == Order::STRESS) return true;
+  CompactTangent<D>& t = out.tangent;
+  const double scale = m.stiffness * m.mix * m.mix;
+  t.a *= scale;
+  t.b *= scale;
+  t.c *= scale;
+  t.a0 = t.c0 = m.stiffness * rest * mu_;
+  t.b0 = m.stiffness * rest * linear_lambda_;
+  if (order == Order::PROJECTED) {
+    CompactTangent<D> linear = t;
+    linear.a = linear.b = linear.c = 0;
+    out.full = scale * projected(mixed) + linear.full();
+    out.compact = false;
+  }
+  return true;
+}
+
+template <int D>
+bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, double density, double& d_energy,
+                                      Matrix<D>& d_stress) const {
+  const DensityInterpolation::Value m = interpolation_.at(density);
+  const Matrix<D> h = f - Matrix<D>::Identity();
+  Response<D> r;
+  if (!hyperelastic(Matrix<D>::Identity() + m.mix * h, r)) return false;
+  const double rest = 1 - m.mix * m.mix, linear = linearEnergy(h);
+  const Matrix<D> linear_stress = linearStress(h);
+  d_energy = m.stiffness_slope * (r.energy + rest * linear) +
+             m.stiffness * m.mix_slope * (r.stress.cwiseProduct(h).sum() - 2 * m.mix * linear);
+  d_stress = m.stiffness_slope * (m.mix * r.stress + rest * linear_stress) +
+             m.stiffness * m.mix_slope * (r.stress + m.mix * r.tangent.times(h) - 2 * m.mix * linear_stress);
+  return true;
+}
+
+template struct CompactTangent<2>;
+template struct CompactTangent<3>;
+template class NeoHookean<2>;
+template class NeoHookean<3>;
+
+}  // namespace snapwing::elasticity

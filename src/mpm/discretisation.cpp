@@ -1,0 +1,205 @@
+#include "snapwing/mpm/discretisation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::mpm {
+
+template <int D>
+int Discretisation<D>::addModel(std::shared_ptr<const Model> model) {
+  models_.push_back(std::move(model));
+  return static_cast<int>(models_.size()) - 1;
+}
+
+template <int D>
+int Discretisation<D>::addRule(QuadratureRule<D> rule) {
+  if (stencil_ != 0 && rule.stencil != stencil_) throw common::Error("all bodies must use the same kernel");
+  stencil_ = rule.stencil;
+  rules_.push_back(std::move(rule));
+  return static_cast<int>(rules_.size()) - 1;
+}
+
+template <int D>
+int Discretisation<D>::addKind(std::vector<Term> terms) {
+  kinds_.push_back(std::move(terms));
+  return static_cast<int>(kinds_.size()) - 1;
+}
+
+template <int D>
+int Discretisation<D>::addBody(const Grid<D>& grid) {
+  for (int a = 0; a < D; ++a) {
+    if (grid.cells[a] < 1) throw common::Error("grid has no cells along axis " + std::to_string(a));
+  }
+  grids_.push_back(grid);
+  node_of_grid_.emplace_back(grid.nodeCount(), -1);
+  cell_of_grid_.emplace_back(grid.cellCount(), -1);
+  return bodyCount() - 1;
+}
+
+template <int D>
+int Discretisation<D>::addCell(const Index<D>& at, const Cell& cell) {
+  const int body = bodyCount() - 1;
+  const int number = cellCount();
+  cell_of_grid_[body][grids_[body].cellNumber(at)] = number;
+  cells_.push_back(cell);
+  cell_at_.push_back(at);
+  cell_body_.push_back(body);
+  return number;
+}
+
+template <int D>
+void Discretisation<D>::finish() {
+  if (cells_.empty()) throw common::Error("no cell holds material: body and grid do not overlap");
+  numberNodes();
+  pattern_ = BlockPattern<D>(nodeCount(), nodes_, stencil_);
+  block_of_pair_.reserve(cells_.size() * static_cast<std::size_t>(stencil_ * (stencil_ + 1) / 2));
+  for (int c = 0; c < cellCount(); ++c) {
+    const int* nodes = cellNodes(c);
+    for (int a = 0; a < stencil_; ++a) {
+      for (int b = 0; b <= a; ++b) block_of_pair_.push_back(pattern_.find(nodes[a], nodes[b]));
+    }
+  }
+  colourCells();
+}
+
+/// Numbers nodes in grid order, so that a cell's nodes ascend and local pairs a >= b lie in the lower triangle.
+template <int D>
+void Discretisation<D>::numberNodes() {
+  for (int c = 0; c < cellCount(); ++c) {
+    for (const int node : grids_[cell_body_[c]].cellNodes(cell_at_[c])) node_of_grid_[cell_body_[c]][node] = 0;
+  }
+  for (int body = 0; body < bodyCount(); ++body) {
+    for (int node = 0; node < static_cast<int>(node_of_grid_[body].size()); ++node) {
+      if (node_of_grid_[body][node] < 0) continue;
+      node_of_grid_[body][node] = nodeCount();
+      position_.push_back(grids_[body].nodePosition(node));
+      node_body_.push_back(body);
+    }
+  }
+  for (int c = 0; c < cellCount(); ++c) {
+    const int body = cell_body_[c];
+    for (const int node : grids_[body].cellNodes(cell_at_[c])) nodes_.push_back(node_of_grid_[body][node]);
+  }
+}
+
+template <int D>
+void Discretisation<D>::colourCells() {
+  const int period = nodesPerAxis(grids_[0].kernel);
+  int count = 1;
+  for (int a = 0; a < D; ++a) count *= period;
+  colours_.assign(count, {});
+  for (int c = 0; c < cellCount(); ++c) {
+    int colour = 0;
+    for (int a = D - 1; a >= 0; --a) colour = colour * period + cell_at_[c][a] % period;
+    colours_[colour].push_back(c);
+  }
+}
+
+template <int D>
+void Discretisation<D>::setDensities(const std::vector<double>& densities) {
+  if (densities.size() != cells_.size()) {
+    throw common::Error("densities: " + std::to_string(densities.size()) + " values for " +
+                        std::to_string(cells_.size()) + " cells");
+  }
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    if (!(densities[c] >= 0 && densities[c] <= 1)) {
+      throw common::Error("density of cell " + std::to_string(c) + " is " + std::to_string(densities[c]) +
+                          "; allowed: 0 .. 1");
+    }
+    cells_[c].density = densities[c];
+  }
+}
+
+template <int D>
+int Discretisation<D>::findCell(int body, const Index<D>& at) const {
+  for (int a = 0; a < D; ++a) {
+    if (at[a] < 0 || at[a] >= grids_[body].cells[a]) return -1;
+  }
+  return cell_of_grid_[body][grids_[body].cellNumber(at)];
+}
+
+template <int D>
+std::vector<std::pair<int, double>> Discretisation<D>::interpolate(int body, const Vector<D>& point) const {
+  const Grid<D>& grid = grids_[body];
+  Index<D> at{};
+  Vector<D> local;
+  if (!grid.locate(point, at, local)) return {};
+  int cell = findCell(body, at);
+  // A point on a face belongs to either side: take the neighbour if only that one holds material.
+  for (int trial = 0; cell < 0 && trial < (1 << D); ++trial) {
+    Index<D> shifted = at;
+    Vector<D> moved = local;
+    bool possible = true;
+    for (int a = 0; a < D; ++a) {
+      if (!(trial >> a & 1)) continue;
+      if (local(a) < 1e-6) {
+        --shifted[a], moved(a) = 1;
+      } else if (local(a) > 1 - 1e-6) {
+        ++shifted[a], moved(a) = 0;
+      } else {
+        possible = false;
+      }
+    }
+    if (possible && (cell = findCell(body, shifted)) >= 0) local = moved;
+  }
+  if (cell < 0) return {};
+  Eigen::VectorXd value;
+  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
+  grid.weights(local, value, slope);
+  std::vector<std::pair<int, double>> result;
+  for (int a = 0; a < stencil_; ++a) {
+    if (std::abs(value(a)) > 1e-12) result.emplace_back(cellNodes(cell)[a], value(a));
+  }
+  return result;
+}
+
+template <int D>
+Vector<D> Discretisation<D>::displacementAt(int body, const Vector<D>& point, const Eigen::VectorXd& u) const {
+  Vector<D> result = Vector<D>::Zero();
+  for (const auto& [node, weight] : interpolate(body, point)) result += weight * u.template segment<D>(D * node);
+  return result;
+}
+
+template <int D>
+elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eigen::VectorXd& u) const {
+  Eigen::VectorXd value;
+  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
+  grids_[cell_body_[cell]].weights(Vector<D>::Constant(0.5), value, slope);
+  elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
+  for (int a = 0; a < stencil_; ++a) {
+    f += u.template segment<D>(D * cellNodes(cell)[a]) * slope.col(a).transpose();
+  }
+  return f;
+}
+
+template <int D>
+Eigen::VectorXd Discretisation<D>::densityDerivative(const Eigen::VectorXd& u, const Eigen::VectorXd& v) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(cellCount());
+  for (int c = 0; c < cellCount(); ++c) {
+    const Cell& cell = cells_[c];
+    for (const Term& term : kinds_[cell.kind]) {
+      const QuadratureRule<D>& rule = rules_[term.rule];
+      for (int p = 0; p < rule.size(); ++p) {
+        const Eigen::Map<const Eigen::Matrix<double, D, Eigen::Dynamic>> slope(rule.slopeOf(p), D, stencil_);
+        elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity(), g = elasticity::Matrix<D>::Zero();
+        for (int a = 0; a < stencil_; ++a) {
+          const int dof = D * cellNodes(c)[a];
+          f += u.template segment<D>(dof) * slope.col(a).transpose();
+          if (v.size() > 0) g += v.template segment<D>(dof) * slope.col(a).transpose();
+        }
+        double d_energy = 0;
+        elasticity::Matrix<D> d_stress;
+        if (!models_[term.model]->densityDerivative(f, cell.density, d_energy, d_stress)) continue;
+        result(c) += cell.measure * rule.weight[p] * (v.size() > 0 ? d_stress.cwiseProduct(g).sum() : d_energy);
+      }
+    }
+  }
+  return result;
+}
+
+template class Discretisation<2>;
+template class Discretisation<3>;
+
+}  // namespace snapwing::mpm

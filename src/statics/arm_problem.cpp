@@ -1,0 +1,106 @@
+#include "snapwing/statics/arm_problem.h"
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/elasticity/neo_hookean.h"
+
+namespace snapwing::statics {
+
+namespace {
+
+using mpm::Vector;
+
+/// All cells that the design has, full, with the thickness of their region.
+std::shared_ptr<const mpm::Discretisation<2>> makeSolid(const common::ArmSettings& arm,
+                                                        const elasticity::Material& material,
+                                                        const mpm::DensityField& field,
+                                                        const ArmProblemSettings& settings) {
+  auto solid = std::make_shared<mpm::Discretisation<2>>();
+  mpm::Grid<2> grid;
+  grid.cell_size = field.cell_size;
+  grid.cells = field.cells;
+  const int model = solid->addModel(
+      std::make_shared<elasticity::NeoHookean<2>>(material, settings.interpolation, settings.plane));
+  const int rule = solid->addRule(mpm::gaussRule<2>(grid, 2));
+  const int kind = solid->addKind({{rule, model}});
+  solid->addBody(grid);
+  for (int j = 0; j < field.cells[1]; ++j) {
+    for (int i = 0; i < field.cells[0]; ++i) {
+      if (!field.present(i, j)) continue;
+      const double x = (i + 0.5) * field.cell_size;
+      const double thickness = x < arm.leg_width ? arm.leg_thickness : arm.bar_thickness;
+      solid->addCell({i, j}, {kind, field.at(i, j), field.cell_size * field.cell_size * thickness});
+    }
+  }
+  solid->finish();
+  return solid;
+}
+
+std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::Discretisation<2>& solid) {
+  std::vector<Equation> equations;
+  const double slack = 1e-6 * solid.grid(0).cell_size;
+  for (int node = 0; node < solid.nodeCount(); ++node) {
+    const Vector<2> x = solid.position(node);
+    if (std::abs(x(0)) > slack || x(1) < arm.clamp_y_low - slack || x(1) > arm.clamp_y_high + slack) continue;
+    equations.push_back({{{2 * node, 1.0}}, {}, 0, "housing"});
+    equations.push_back({{{2 * node + 1, 1.0}}, {{0, -1.0}}, 0, "housing"});
+  }
+  if (equations.empty()) throw common::Error("arm: no cell of the design meets the housing (clamp_y_low .. clamp_y_high)");
+  const auto pin = solid.interpolate(0, Vector<2>(arm.pin_x, arm.pin_y));
+  if (pin.empty()) throw common::Error("arm: the pin lies outside of the design (pin_x, pin_y)");
+  for (int axis = 0; axis < 2; ++axis) {
+    Equation equation;
+    for (const auto& [node, weight] : pin) equation.terms.emplace_back(2 * node + axis, weight);
+    equation.name = "axle";
+    equations.push_back(equation);
+  }
+  return equations;
+}
+
+}  // namespace
+
+ArmProblem::ArmProblem(const common::ArmSettings& arm, const elasticity::Material& material,
+                       const mpm::DensityField& design, const ArmProblemSettings& settings)
+    : arm_(arm) {
+  const bool same = settings.cell_size <= 0 || std::abs(settings.cell_size - design.cell_size) < 1e-9 * design.cell_size;
+  field_ = same ? design : design.resampled(settings.cell_size);
+  const auto solid = makeSolid(arm, material, field_, settings);
+  Reduction reduction(solid->dofCount(), 1, makeEquations(arm, *solid));
+  const double floor = 1e-13 * material.youngs_modulus * field_.cell_size * arm.leg_thickness;
+  problem_ = std::make_unique<SolidProblem<2>>(solid, std::move(reduction), Eigen::MatrixXd(), settings.threads, floor);
+}
+
+Eigen::VectorXd ArmProblem::displacements(const Eigen::VectorXd& z, double travel) const {
+  return problem_->reduction().expand(z, Eigen::VectorXd::Constant(1, travel));
+}
+
+double ArmProblem::rotation(const Eigen::VectorXd& z, double travel) const {
+  constexpr double REACH = 0.004;
+  const Eigen::VectorXd u = displacements(z, travel);
+  const mpm::Discretisation<2>& solid = problem_->solid();
+  const Vector<2> pin(arm_.pin_x, arm_.pin_y);
+  double sine = 0, cosine = 0;
+  for (int node = 0; node < solid.nodeCount(); ++node) {
+    const Vector<2> rest = solid.position(node) - pin;
+    if (rest.norm() > REACH * (1 + 1e-9)) continue;
+    const Vector<2> moved = rest + u.segment<2>(2 * node);
+    sine += rest(0) * moved(1) - rest(1) * moved(0);
+    cosine += rest.dot(moved);
+  }
+  return std::atan2(sine, cosine);
+}
+
+std::vector<std::vector<std::array<double, 2>>> ArmProblem::movedShapes(const Eigen::VectorXd& z, double travel) const {
+  const Eigen::VectorXd u = displacements(z, travel);
+  auto loops = restShapes();
+  for (auto& loop : loops) {
+    for (auto& point : loop) {
+      const Vector<2> moved = problem_->solid().displacementAt(0, Vector<2>(point[0], point[1]), u);
+      point = {point[0] + moved(0), point[1] + moved(1)};
+    }
+  }
+  return loops;
+}
+
+}  // namespace snapwing::statics

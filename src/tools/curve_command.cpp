@@ -1,0 +1,185 @@
+// `snapwing curve`: traces the force-displacement curve of one arm and stores it with units and provenance.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "commands.h"
+#include "snapwing/common/error.h"
+#include "snapwing/common/force_table.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/statics/arm_problem.h"
+
+namespace snapwing::tools {
+
+namespace {
+
+struct CurveOptions {
+  std::string input, output, csv, summary, plane = "stress";
+  double cell_size = 0, step = 0.001, from = NAN, to = NAN;
+  bool no_back = false, quiet = false;
+  int threads = 1;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+void onInterrupt(int) { interrupted = 1; }
+
+std::string toText(double value) {
+  std::ostringstream text;
+  text.precision(10);
+  text << value;
+  return text.str();
+}
+
+bool showProgress(const CurveOptions& options, double share, double travel) {
+  if (!options.quiet) {
+    std::fprintf(stderr, "\r%3.0f %%  u = %6.2f mm ", 100 * share, 1e3 * travel);
+    if (share >= 1) std::fprintf(stderr, "\n");
+    std::fflush(stderr);
+  }
+  return interrupted != 0;
+}
+
+void describe(const CurveOptions& options, const common::Vehicle& vehicle, const statics::ArmProblem& arm,
+              common::ForceTable& table) {
+  table.arm_count = vehicle.arm.count;
+  // The hash covers what the curve depends on: vehicle file and density. Options are stated one by one.
+  const std::string density = common::readFile(vehicle.arm.density_file);
+  auto& p = table.provenance;
+  p["rung"] = "planar";
+  p["plane"] = options.plane;
+  p["kernel"] = "linear";
+  p["cell_size_m"] = toText(arm.field().cell_size);
+  p["step_m"] = toText(options.step);
+  p["dof"] = std::to_string(arm.problem().freeCount());
+  p["vehicle"] = vehicle.name;
+  p["youngs_modulus_pa"] = toText(vehicle.material.youngs_modulus.value);
+  p["poisson_ratio"] = toText(vehicle.material.poisson_ratio.value);
+  p["vehicle_sha256"] = vehicle.sha256;
+  p["density_sha256"] = common::sha256(density);
+  p["inputs_sha256"] = common::sha256(common::readFile(options.input) + density);
+  p["snapwing_version"] = common::version();
+  p["command"] = "snapwing curve, plane " + options.plane + ", from " + toText(table.travel.front()) + " m to " +
+                 toText(table.travel.back()) + " m";
+}
+
+void writeCsv(const std::string& path, const common::ForceTable& table) {
+  std::ostringstream text;
+  text.precision(12);
+  text << "# one arm; force and energy of the vehicle: times " << table.arm_count << "\n"
+       << "travel_m,force_N,stiffness_N_per_m,energy_J,rotation_rad,stable,min_det_f,iterations"
+       << (table.force_back.empty() ? "" : ",force_back_N") << "\n";
+  for (std::size_t k = 0; k < table.travel.size(); ++k) {
+    text << table.travel[k] << "," << table.force[k] << "," << table.stiffness[k] << "," << table.energy[k] << ","
+         << table.rotation[k] << "," << table.stable[k] << "," << table.min_det_f[k] << "," << table.iterations[k];
+    if (!table.force_back.empty()) text << "," << table.force_back[k];
+    text << "\n";
+  }
+  common::writeFileAtomically(path, text.str());
+}
+
+nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
+
+nlohmann::json summarise(const statics::ArmCurve& curve) {
+  nlohmann::json j;
+  j["status"] = statics::statusName(curve.status);
+  j["message"] = curve.message;
+  for (const auto& [key, value] : curve.table.provenance) j["provenance"][key] = value;
+  if (curve.table.travel.size() >= 4) {
+    const common::CurveFeatures f = common::curveFeatures(curve.table);
+    j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
+    j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
+    j["zeros_m"] = {0.0, orNull(f.barrier_travel), orNull(f.second_travel)};
+    j["equilibria"] = {{"first_m", 0.0}, {"barrier_m", orNull(f.barrier_travel)}, {"second_m", orNull(f.second_travel)}};
+    j["barrier_forward_J"] = orNull(f.barrier_forward);
+    j["barrier_back_J"] = orNull(f.barrier_back);
+    j["hysteresis_N"] = orNull(f.hysteresis);
+    j["bistable"] = f.bistable;
+    j["forces_are"] = "totals of all arms";
+  }
+  int unstable = 0;
+  for (const int stable : curve.table.stable) unstable += stable ? 0 : 1;
+  j["points"] = curve.table.travel.size();
+  j["unstable_points"] = unstable;
+  j["iterations"] = curve.iterations;
+  j["factorizations"] = curve.factorizations;
+  j["projections"] = curve.projections;
+  j["step_halvings"] = curve.halvings;
+  j["seconds"] = {{"total", curve.seconds},
+                  {"assembly", curve.seconds_assembly},
+                  {"factorization", curve.seconds_factor},
+                  {"solve", curve.seconds_solve},
+                  {"analysis", curve.seconds_analysis}};
+  return j;
+}
+
+int runCurve(const CurveOptions& options) {
+  const common::Vehicle vehicle = common::loadVehicle(options.input);
+  const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
+                                      vehicle.material.mass_density.value};
+  const mpm::DensityField design =
+      mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
+  statics::ArmProblemSettings settings;
+  settings.cell_size = options.cell_size;
+  settings.plane = options.plane == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
+  settings.threads = options.threads;
+  const statics::ArmProblem arm(vehicle.arm, material, design, settings);
+
+  statics::ArmCurveSettings curve_settings;
+  curve_settings.from = std::isnan(options.from) ? vehicle.limits.travel_min : options.from;
+  curve_settings.to = std::isnan(options.to) ? vehicle.limits.travel_max : options.to;
+  curve_settings.step = options.step;
+  curve_settings.back = !options.no_back;
+  curve_settings.path.newton.cancelled = [] { return interrupted != 0; };
+  curve_settings.progress = [&](double share, double travel) { return showProgress(options, share, travel); };
+  interrupted = 0;
+  const auto previous = std::signal(SIGINT, onInterrupt);
+  statics::ArmCurve curve = statics::traceArm(arm, curve_settings);
+  std::signal(SIGINT, previous);
+
+  if (!curve.table.travel.empty()) describe(options, vehicle, arm, curve.table);
+  const nlohmann::json summary = summarise(curve);
+  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
+  if (curve.status != statics::SolveStatus::CONVERGED) {
+    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", statics::statusName(curve.status).c_str(), curve.message.c_str());
+    if (!options.csv.empty() && !curve.table.travel.empty()) writeCsv(options.csv, curve.table);
+    return 1;
+  }
+  if (!options.output.empty()) common::saveForceTable(curve.table, options.output);
+  if (!options.csv.empty()) writeCsv(options.csv, curve.table);
+  std::printf("%s\n", summary.dump(2).c_str());
+  return 0;
+}
+
+}  // namespace
+
+void addCurveCommand(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<CurveOptions>();
+  CLI::App* command = app.add_subcommand("curve", "Trace the force-displacement curve of a vehicle's arm");
+  command->add_option("vehicle", options->input, "Vehicle file [YAML]")->required();
+  command->add_option("-o,--output", options->output, "Force table to write [HDF5]");
+  command->add_option("--csv", options->csv, "Curve to write [CSV]");
+  command->add_option("--summary", options->summary, "Summary to write [JSON]");
+  command->add_option("--cell-size", options->cell_size, "Cell size [m]; default: that of the design")
+      ->check(CLI::Range(1e-5, 1.0));
+  command->add_option("--plane", options->plane, "How the arm behaves across its thickness")
+      ->check(CLI::IsMember({"stress", "strain"}))
+      ->capture_default_str();
+  command->add_option("--step", options->step, "Spacing of the points [m]")
+      ->check(CLI::Range(1e-6, 0.1))
+      ->capture_default_str();
+  command->add_option("--from", options->from, "Lower end of travel [m], <= 0; default: the vehicle's limit");
+  command->add_option("--to", options->to, "Upper end of travel [m], > 0; default: the vehicle's limit");
+  command->add_flag("--no-back", options->no_back, "Do not trace the way back");
+  command->add_option("--threads", options->threads, "Threads of the assembly; the result has the same bits")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("-q,--quiet", options->quiet, "No progress");
+  command->callback([options, &exit_code] { exit_code = runCurve(*options); });
+}
+
+}  // namespace snapwing::tools
