@@ -24,7 +24,7 @@ struct PlantSettings {
   double stop_restitution = 0.3;  ///< [1] relative speed kept when u hits a mechanical stop, [0, 1]
   /// Largest deceleration by which the hand brakes the boom: gentle in Q, whose hold on the centre is weak. [m/s2]
   double hand_deceleration_q = 2.5;
-  double hand_deceleration_f = 20.0;
+  double hand_deceleration_f = 12.0;
   void validate() const;  ///< @throws common::Error naming the member
 };
 

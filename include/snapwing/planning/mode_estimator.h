@@ -21,12 +21,15 @@ struct EstimatorSettings {
   std::uint64_t seed = 7;            ///< equal seeds and inputs give equal estimates
   double accelerometer_noise = 0.5;  ///< [m/s2] standard deviation, sensor and what the model lacks
   double accelerometer_bias = 0.2;   ///< [m/s2] standard deviation of a constant offset, one per particle
-  double outlier_share = 0.01;       ///< [1] readings that say nothing (a wide floor under the weights)
-  double step = 2e-3;                ///< [s] of the particles' motion
-  double sure = 0.95;                ///< [1] probability from which a mode counts as known
+  /// [s] errors of model and sensor live about this long: readings closer together count for less
+  double correlation_time = 0.02;
+  double process_noise = 0.1;   ///< [m/s per square root of s] random walk of u' and of the common speed
+  double output_delay = 0.02;   ///< [s] motor outputs act up to this long after their stamp, different per particle
+  double outlier_share = 0.01;  ///< [1] readings that say nothing (a wide floor under the weights)
+  double step = 2e-3;           ///< [s] of the particles' motion
+  double sure = 0.95;           ///< [1] probability from which a mode counts as known
   rom::Mount mount = rom::Mount::BOOM;
-  double gravity = 0;  ///< [m/s2] against the thrust axis
-  /// [s] motor outputs come as read back, without the radio's latency
+  double gravity = 0;     ///< [m/s2] against the thrust axis
   void validate() const;  ///< @throws common::Error naming the member
 };
 
