@@ -9,7 +9,7 @@ from snapwing_tools import topics
 
 EXPECTED = ("F->Q", "Q->F")
 
-# A switch is watched until the next pulse, at most this long after its command [s].
+# A switch is watched until the next pulse or until the hand takes hold, at most this long after its command [s].
 WATCH_SECONDS = 6.0
 # The end mode is what held over this last stretch of the watch [s].
 SETTLED_SECONDS = 0.3
@@ -51,6 +51,7 @@ class Motion:
 
     def __init__(self):
         self.start_mode = self.end_mode = None
+        self.peak_speed = math.nan
         self.snap_time = self.peak_travel = self.least_travel = self.end_travel = self.end_speed = math.nan
 
 
@@ -77,7 +78,7 @@ def find_switches(run):
     found = []
     for index, start in enumerate(pulses["time"]):
         following = pulses["time"][index + 1] if index + 1 < len(pulses["time"]) else math.inf
-        until = min(start + WATCH_SECONDS, following, last_time(run))
+        until = min(start + WATCH_SECONDS, following, last_time(run), _hand_takes(run, start))
         switch = Switch("? (pulse {})".format(pulses["id"][index]), start, until, pulses["throttle"][index],
                         pulses["duration"][index], int(pulses["id"][index]))
         switch.plan = _plan_of(run, switch)
@@ -91,6 +92,16 @@ def find_switches(run):
 
 def last_time(run):
     return max((columns["time"][-1] for columns in run.series.values() if len(columns["time"])), default=0.0)
+
+
+def _hand_takes(run, start):
+    """When the experimenter takes hold again after a command; what happens then is the hand's doing."""
+    if not run.has("truth"):
+        return math.inf
+    truth = run.series["truth"]
+    after = np.flatnonzero(truth["time"] >= start)
+    taken = [k for k in after if k > 0 and truth["held"][k] and not truth["held"][k - 1]]
+    return truth["time"][taken[0] - 1] if taken else math.inf
 
 
 def window(columns, start, until):
@@ -139,6 +150,7 @@ def _true_motion(run, switch):
         motion.end_mode = topics.MODE_NAMES.get(int(last[-1])) if len(set(last)) == 1 else "unknown"
     motion.peak_travel, motion.least_travel = rows["travel"].max(), rows["travel"].min()
     motion.end_travel, motion.end_speed = rows["travel"][-1], rows["speed"][-1]
+    motion.peak_speed = np.abs(rows["speed"]).max()
     motion.snap_time = last_crossing(rows["time"], rows["travel"], barrier_of(run)) - switch.start
     return motion
 
@@ -273,19 +285,16 @@ def judge(run, switches, summary=None):
         tries = [switch for switch in switches if switch.name == name]
         verdict.switch[name] = tries[-1] if tries else None
         verdict.status[name] = _status(run, tries, any(switch.target_mode is None for switch in switches))
-        claim = next((entry for entry in (summary or {}).get("switches", []) if _plain(entry["name"]) == name), None)
+        claims = [entry for entry in (summary or {}).get("switches", []) if entry["name"] == name]
+        claim = claims[-1] if claims else None
         if claim and verdict.status[name] != "not known" and claim["ok"] != (verdict.status[name] == "happened"):
             verdict.notes.append("{}: the scenario says {}, the record says: {}".format(
                 name, "it succeeded" if claim["ok"] else "it failed", verdict.status[name]))
-        if claim and claim.get("reason"):
-            verdict.notes.append("{}: scenario: {}".format(name, claim["reason"]))
-    if summary and summary.get("reason"):
-        verdict.notes.append("Scenario: {}".format(summary["reason"]))
+        if claim and claim["reason"]:
+            verdict.notes.append("{}: the scenario says: {}".format(name, claim["reason"]))
+    if summary and not summary["ok"]:
+        verdict.notes.append("The scenario failed: {}".format(summary["reason"] or "no reason given"))
     return verdict
-
-
-def _plain(name):
-    return str(name).replace(" ", "").replace("\u2192", "->")
 
 
 def _status(run, tries, unnamed):
@@ -316,6 +325,7 @@ def comparison_rows(switch):
                                      ("travel at the end", "mm", "end_travel", 1e3)):
         rows.append((label, unit, predicted("nominal", key, factor), predicted("worst", key, factor),
                      measured(key, factor)))
+    rows.append(("largest speed of the ring", "m/s", math.nan, math.nan, measured("peak_speed")))
     rows.append(("energy margin, in barriers", "1", predicted("nominal", "energy_margin"),
                  float(plan["worst_margin"]) if plan is not None else math.nan, math.nan))
     rows.append(("mode estimate reached the target", "ms", math.nan, math.nan, switch.estimate_seconds * 1e3))

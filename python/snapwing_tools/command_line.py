@@ -1,4 +1,5 @@
-"""Asks the snapwing command line for what a report shows beside the record: outcome maps and predicted trajectories."""
+"""Asks the snapwing command line for what a report shows beside the record: outcome maps, what the margins hang on,
+and predicted trajectories."""
 
 import os
 import shlex
@@ -12,25 +13,25 @@ TIMEOUT_SECONDS = 300
 class CommandLine:
     """Runs one snapwing program and remembers the command lines."""
 
-    def __init__(self, program):
+    def __init__(self, program, vehicle, options=()):
+        """`options` describe the trial and go into every call."""
         if not (os.path.isfile(program) and os.access(program, os.X_OK)):
             raise InputError("{}: not a program that can be run".format(program))
-        self.program = program
+        self.program, self.vehicle, self.options = program, vehicle, list(options)
         self.commands = []
 
-    def map(self, vehicle, name, extra, output):
-        """Outcome map of a switch ("F->Q") into a CSV file. Returns None, or why it could not be had."""
-        start = name.split("->")[0]
-        return self._run(["plan", "--vehicle", vehicle, "--from", start, "--map", output] + extra, output)
+    def plan(self, name, map_size, map_output, json_output):
+        """Outcome map and plan of a switch ("F->Q"). Returns None, or why it could not be had."""
+        return self._run(["plan", self.vehicle, "--from", name[0], "--map", map_output, "--map-size", str(map_size),
+                          "--json", json_output, "--accidents"], map_output)
 
-    def trajectory(self, vehicle, name, throttle, duration, extra, output):
+    def trajectory(self, name, throttle, duration, output):
         """Predicted nominal trajectory of a pulse into a CSV file. Returns None, or why it could not be had."""
-        start = name.split("->")[0]
-        return self._run(["predict", "--vehicle", vehicle, "--from", start, "--throttle", "{:.17g}".format(throttle),
-                          "--duration", "{:.17g}".format(duration), "--csv", output] + extra, output)
+        return self._run(["predict", self.vehicle, "--from", name[0], "--throttle", "{:.17g}".format(throttle),
+                          "--duration", "{:.17g}".format(duration), "--csv", output], output)
 
     def _run(self, arguments, output):
-        command = [self.program] + arguments
+        command = [self.program] + arguments + self.options
         self.commands.append(" ".join(shlex.quote(part) for part in command))
         try:
             done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIMEOUT_SECONDS,

@@ -4,7 +4,7 @@ from html import escape
 
 from snapwing_tools import analysis, style
 from snapwing_tools.plots import arrow
-from snapwing_tools.text_format import difference, number
+from snapwing_tools.text_format import NOT_KNOWN, difference, number
 
 _CSS = """
 :root { color-scheme: light dark; LIGHT --good: #0b7a4b; --bad: #b3261e; --unsure: #8a6100; --box: #f4f6f8; }
@@ -134,6 +134,16 @@ def link_table(statistics):
         ("oldest telemetry", number(statistics.telemetry_worst * 1e3, "ms")),
         ("time in failsafe", "{:.2f} s".format(statistics.failsafe_seconds)),
         ("restarts of the bridge", statistics.restarts)])
+
+
+def accidents(entries):
+    """What may flip the mode by accident."""
+    rows = [(entry["name"], entry["mode"], number(entry["limit"], entry["unit"]), number(entry["occurs"], entry["unit"]),
+             NOT_KNOWN if number(entry["occurs"]) == NOT_KNOWN else ("holds" if entry["holds"] else "flips"),
+             entry["explanation"]) for entry in entries]
+    head = ("accident", "mode", "limit", "met in use", "", "")
+    return "<h2>What may flip the mode by accident</h2><p>Nominal vehicle, by the reduced model.</p>" + table(
+        rows, head, ("", "n", "n"))
 
 
 def vehicle(name, parameters, settings):

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import yaml
 
+from snapwing_tools import topics
 from snapwing_tools.errors import InputError
 
 
@@ -163,22 +164,61 @@ def read_trajectory(path):
     return columns
 
 
-def read_summary(path):
-    """run_summary.json of the scenario: {"switches": [{"name", "ok", "reason", ...}], "ok", "reason", "rung"}."""
+def _read_json(path):
     require_file(path)
     try:
         with open(path, encoding="utf-8") as file:
-            summary = json.load(file)
+            return json.load(file)
     except (ValueError, UnicodeDecodeError) as error:
         raise InputError("{}: not JSON ({})".format(path, error))
-    if not isinstance(summary, dict) or not isinstance(summary.get("switches", None), list):
+
+
+def read_summary(path):
+    """Outcome of the scenario (scenario_summary.write_result), reduced to what the report compares with the record:
+    {"ok", "reason", "rung", "switches": [{"name": "F->Q", "ok", "reason"}]}."""
+    found = _read_json(path)
+    if not isinstance(found, dict) or not isinstance(found.get("switches"), list):
         raise InputError("{}: expected an object with a list 'switches'".format(path))
-    for number, entry in enumerate(summary["switches"]):
-        if not isinstance(entry, dict) or "name" not in entry or not isinstance(entry.get("ok"), bool):
-            raise InputError("{}: switches[{}] needs 'name' and 'ok' (true or false)".format(path, number))
-    if not isinstance(summary.get("ok"), bool):
+    if not isinstance(found.get("ok"), bool):
         raise InputError("{}: 'ok' must be true or false".format(path))
-    return summary
+    switches, rung = [], ""
+    for number, entry in enumerate(found["switches"]):
+        if not isinstance(entry, dict) or any(entry.get(key) not in (1, 2) for key in ("start", "target")):
+            raise InputError("{}: switches[{}] needs 'start' and 'target', each 1 (F) or 2 (Q)".format(path, number))
+        name = "{}->{}".format(topics.MODE_NAMES[entry["start"]], topics.MODE_NAMES[entry["target"]])
+        true = (entry.get("happened") or {}).get("end_mode")
+        good = entry.get("code") == 0 and true == entry["target"] and entry.get("estimated_mode") == entry["target"]
+        switches.append({"name": name, "ok": good, "reason": str(entry.get("message") or "") if not good else ""})
+        rung = rung or str(entry.get("rung") or "")
+    reason = found.get("trouble") or found.get("reason") or ""
+    return {"ok": found["ok"], "reason": str(reason), "rung": rung, "switches": switches}
+
+
+class Plan:
+    """What `snapwing plan --json` adds to the record: what the margin hangs on, and accidents."""
+
+    def __init__(self, throttle, duration, margin, influences, accidents):
+        self.throttle, self.duration, self.margin = throttle, duration, margin
+        self.influences = influences  # (name, margin at the low end, margin at the high end), largest effect first
+        self.accidents = accidents    # dicts: name, explanation, mode, unit, limit, occurs, holds
+
+
+def _number_or_nan(value):
+    return math.nan if value is None else float(value)
+
+
+def read_plan(path):
+    found = _read_json(path)
+    try:
+        plan = found["plan"]
+        influences = [(str(entry["name"]), _number_or_nan(entry["low_margin"]), _number_or_nan(entry["high_margin"]))
+                      for entry in plan.get("influences", [])]
+        accidents = [dict(entry, limit=_number_or_nan(entry["limit"]), occurs=_number_or_nan(entry["occurs"]))
+                     for entry in found.get("accidents", [])]
+        return Plan(float(plan["pulse"]["throttle"]), float(plan["pulse"]["duration"]),
+                    _number_or_nan(plan["nominal"]["energy_margin"]), influences, accidents)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError("{}: no plan of 'snapwing plan --json' ({})".format(path, error))
 
 
 class Parameter:

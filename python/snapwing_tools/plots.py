@@ -104,6 +104,28 @@ def outcome_maps(entries):
     return fig
 
 
+def influences(entries, most=8):
+    """Entries (name, Plan, same): how far one uncertain number alone moves the margin; `same` = it is the run's pulse."""
+    fig, axes = style.figure(1, len(entries), 3.4, squeeze=False, sharex=True)
+    for ax, (name, plan, same) in zip(axes[0], entries):
+        shown = plan.influences[:most]
+        for place, (_, low, high) in enumerate(shown):
+            ax.plot([plan.margin, low], [place, place], color=style.BLUE, lw=9, solid_capstyle="butt",
+                    label="low end" if place == 0 else None)
+            ax.plot([plan.margin, high], [place, place], color=style.AMBER, lw=5, solid_capstyle="butt",
+                    label="high end" if place == 0 else None)
+        ax.axvline(plan.margin, color=style.INK, lw=1)
+        ax.axvline(0, color=style.VERMILION, lw=1.2, ls="--", label="fails below")
+        ax.set_yticks(range(len(shown)))
+        ax.set_yticklabels([entry[0] for entry in shown])
+        ax.set_ylim(len(shown) - 0.4, -0.6)
+        ax.grid(axis="y", visible=False)
+        ax.set_title(arrow(name) + ("" if same else " (another pulse than the run's)"))
+        ax.set_xlabel("energy margin [barriers]")
+    axes[0][-1].legend(loc="lower right", ncol=3, bbox_to_anchor=(1.0, 1.1), borderaxespad=0.0)
+    return fig
+
+
 def arrow(name):
     return name.replace("->", " → ")
 

@@ -1,9 +1,11 @@
-"""Node that records a run: subscribes to everything in topics.py and keeps one HDF5 file up to date.
+"""Node that records a run: subscribes to everything in topics.py and keeps one HDF5 file up to date. The service ~save
+(std_srvs/Trigger) writes it at once, for those who want to read it while the nodes still run.
 
 Parameters: ~output (path of the file, required), ~autosave_period [s] (> 0; what a killed recorder loses at most),
 ~vehicle_file (optional; its path and hash go into the provenance).
 """
 
+import json
 import os
 import sys
 import time
@@ -11,6 +13,7 @@ import time
 import rospy
 from snapwing import msg as snapwing_msgs
 from sensor_msgs.msg import Imu
+from std_srvs.srv import Trigger, TriggerResponse
 
 from snapwing_tools import provenance, topics
 from snapwing_tools.errors import InputError
@@ -39,6 +42,18 @@ def read_parameters():
     return os.path.abspath(os.path.expanduser(output)), float(period), given.get("vehicle_file", "")
 
 
+def flat_parameters(tree, prefix=""):
+    """Parameter tree -> {full name: value}, without what roslaunch itself leaves there."""
+    found = {}
+    for key, value in tree.items():
+        name = prefix + "/" + key
+        if isinstance(value, dict):
+            found.update(flat_parameters(value, name))
+        elif name.split("/")[1] not in ("roslaunch", "run_id", "rosversion", "rosdistro"):
+            found[name] = value
+    return found
+
+
 def subscribe(buffer):
     """One subscriber per recorded topic; queues hold some seconds of the fastest one."""
     def callback(message, topic):
@@ -47,26 +62,53 @@ def subscribe(buffer):
                              tcp_nodelay=True) for topic in topics.SERIES + topics.LATCHED]
 
 
-def record(output, period, vehicle_file):
+class Recording:
+    """A buffer and its file. The file's `ended` stays "saved on request" once somebody asked for it."""
+
+    def __init__(self, buffer, output):
+        self.buffer, self.output, self.ended = buffer, output, "recording"
+
+    def save(self, ended=None):
+        self.buffer.save(self.output, ended or self.ended)
+
+    def answer(self, _):
+        """Service ~save."""
+        self.ended = "saved on request"
+        try:
+            self.save()
+        except InputError as error:
+            return TriggerResponse(success=False, message=str(error))
+        return TriggerResponse(success=True, message=self.output)
+
+
+def provenance_texts(vehicle_file):
     texts = machine_provenance(" ".join(sys.argv))
     if vehicle_file:
         texts["vehicle_file"] = vehicle_file
         texts["vehicle_sha256"] = provenance.sha256_of_file(vehicle_file) or ""
-    buffer = RunBuffer(rospy.get_time(), texts)
-    buffer.save(output, "recording")  # a place that cannot be written shows now, not at the end
-    subscribers = subscribe(buffer)
+    parameters = json.dumps(flat_parameters(rospy.get_param("/", {})))
+    texts["parameters"] = parameters if len(parameters) < 60000 else "{}"  # an HDF5 attribute holds 64 kB
+    return texts
+
+
+def record(output, period, vehicle_file):
+    recording = Recording(RunBuffer(rospy.get_time(), provenance_texts(vehicle_file)), output)
+    recording.save()  # a place that cannot be written shows now, not at the end
+    subscribers = subscribe(recording.buffer)
+    service = rospy.Service("~save", Trigger, recording.answer)
     rospy.loginfo("recording to %s", output)
     saved = time.monotonic()
     # Plain sleep: it ends with the node, whatever becomes of the ROS clock.
     while not rospy.is_shutdown():
         time.sleep(0.1)
         if time.monotonic() - saved >= period:
-            buffer.save(output, "recording")
+            recording.save()
             saved = time.monotonic()
+    service.shutdown()
     for subscriber in subscribers:
         subscriber.unregister()
-    buffer.save(output, "closed")
-    counts = ", ".join("{} {}".format(name, count) for name, count in buffer.counts().items())
+    recording.save("closed")
+    counts = ", ".join("{} {}".format(name, count) for name, count in recording.buffer.counts().items())
     print("recorded to {}: {}".format(output, counts), flush=True)
 
 

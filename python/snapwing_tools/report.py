@@ -1,5 +1,6 @@
 """The report of a run: gathers what is there, says what is missing, and lays it out as one HTML file."""
 
+import json
 import math
 
 from snapwing_tools import analysis, html_page, plots, provenance, style
@@ -15,6 +16,7 @@ _CAPTIONS = {
               "down.",
     "maps": "Each cell is one pulse, checked with the reduced model over the uncertainty of the vehicle file. Ring: "
             "the pulse that was sent.",
+    "influences": "Energy margin of the pulse with one uncertain number at its low or high end and all others nominal.",
     "travel": "Prediction: the nominal vehicle with the pulse as commanded. Band: the estimator's deviation.",
     "no trajectory": "The predicted trajectory is not available; the plan's numbers are marked instead.",
     "frames": "Every frame of the bridge that was recorded, with what the flight controller reported.",
@@ -34,6 +36,7 @@ class Inputs:
         self.summary = None        # dict of run_summary.json
         self.maps = {}             # "F->Q" -> OutcomeMap
         self.trajectories = {}     # "F->Q" -> columns of a predicted trajectory
+        self.plans = {}            # "F->Q" -> Plan computed again for the report
         self.table = None          # ForceTable, for the arm's shapes
         self.vehicle = None        # (name, parameters, settings)
         self.files = []            # (what, path) of the files that were read, for provenance
@@ -76,6 +79,9 @@ class Report:
             found.append(("arm_shapes", "The arm as it snaps", _CAPTIONS["shapes"], plots.arm_shapes(shapes, arm)))
         if self.inputs.maps:
             found.append(("outcome_maps", "What pulses do", _CAPTIONS["maps"], self._maps()))
+        if any(plan.influences for plan in self.inputs.plans.values()):
+            found.append(("influences", "What the margins hang on", _CAPTIONS["influences"], plots.influences(
+                [(name, plan, self._same_pulse(name, plan)) for name, plan in self.inputs.plans.items()])))
         for switch in self.switches:
             trajectory = self.inputs.trajectories.get(switch.name)
             found.append((_file_name(switch), "Switch " + arrow(switch.name),
@@ -108,6 +114,11 @@ class Report:
             entries.append((name, outcome, pulses))
         return plots.outcome_maps(entries)
 
+    def _same_pulse(self, name, plan):
+        """Is a plan computed for the report that of the run? (It is, unless the run's planner was set differently.)"""
+        return any(switch.name == name and math.isclose(switch.throttle, plan.throttle, abs_tol=1e-6)
+                   and math.isclose(switch.duration, plan.duration, abs_tol=1e-6) for switch in self.switches)
+
     def html(self, figures):
         """The page. `figures` is what figures() gave; they are closed by this."""
         body = [html_page.header(self), html_page.comparison(self)]
@@ -116,6 +127,9 @@ class Report:
         for name, title, caption, fig in figures:
             extra = html_page.link_table(self.statistics) if name == "link" else ""
             body.append(html_page.figure(name, title, caption, style.svg_text(fig), extra))
+        accidents = next((plan.accidents for plan in self.inputs.plans.values() if plan.accidents), [])
+        if accidents:
+            body.append(html_page.accidents(accidents))
         if self.inputs.vehicle is not None:
             body.append(html_page.vehicle(*self.inputs.vehicle))
         body.append(html_page.provenance_section(self, provenance_rows(self.inputs)))
@@ -145,6 +159,14 @@ def missing_notes(inputs, switches):
     return notes
 
 
+def parameters_of(run):
+    """{full name: value} of the nodes' parameters at the start of the run."""
+    try:
+        return {str(key): str(value) for key, value in json.loads(run.attributes.get("parameters", "{}")).items()}
+    except (ValueError, AttributeError):
+        return {}
+
+
 def provenance_rows(inputs):
     """(what, value) pairs that tie the report to its inputs."""
     run = inputs.run
@@ -160,6 +182,7 @@ def provenance_rows(inputs):
     if inputs.table is not None:
         rows += [("force table: " + key.replace("_", " "), value)
                  for key, value in sorted(inputs.table.provenance.items())]
+    rows += [("parameter " + key, value) for key, value in sorted(parameters_of(run).items())]
     for key in ("vehicle_file", "vehicle_sha256", "recorder_command", "python", "numpy", "system", "ros_distro"):
         if run.attributes.get(key):
             rows.append(("run: " + key.replace("_", " "), str(run.attributes[key])))

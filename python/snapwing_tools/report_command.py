@@ -35,7 +35,9 @@ def parser():
     made.add_argument("--snapwing", metavar="PROGRAM", help="snapwing command line: computes the maps and trajectories "
                       "that are not given; needs --vehicle")
     made.add_argument("--trial", default="", metavar="OPTIONS", help="options that the run's trial needs in "
-                      "'snapwing plan' and 'snapwing predict', as one text, e.g. '--mount boom'")
+                      "'snapwing plan' and 'snapwing predict', as one text, e.g. --trial='--mount boom'")
+    made.add_argument("--map-size", type=int, default=25, metavar="N", help="pulses along each side of a map that "
+                      "--snapwing computes, 2 .. 200 [25]")
     made.add_argument("--figures", metavar="FOLDER", help="also save each figure as PNG")
     made.add_argument("--require-success", action="store_true", help="exit with 1 unless both switches happened")
     return made
@@ -120,27 +122,29 @@ def _ask_command_line(made, options, folder):
         return
     if not options.vehicle:
         raise InputError("--snapwing needs --vehicle")
-    program, extra = CommandLine(options.snapwing), shlex.split(options.trial)
+    if not 2 <= options.map_size <= 200:
+        raise InputError("--map-size {}: expected 2 .. 200".format(options.map_size))
+    program = CommandLine(options.snapwing, options.vehicle, shlex.split(options.trial) + (
+        ["--table", options.table] if options.table else []))
     pulses = {switch.name: switch for switch in Report(made).switches}
     for name in EXPECTED:
         stem = os.path.join(folder, name.replace("->", "_"))
         if name not in made.maps:
-            _try(made, name, "outcome map", program.map(options.vehicle, name, extra, stem + "_map.csv"),
-                 lambda path=stem + "_map.csv", key=name: made.maps.__setitem__(key, readers.read_outcome_map(path)))
+            failure = program.plan(name, options.map_size, stem + "_map.csv", stem + "_plan.json")
+            _try(made, name, "outcome map", failure, made.maps, lambda: readers.read_outcome_map(stem + "_map.csv"))
+            _try(made, name, "list of influences", failure, made.plans, lambda: readers.read_plan(stem + "_plan.json"))
         if name not in made.trajectories and name in pulses:
-            pulse = pulses[name]
-            failure = program.trajectory(options.vehicle, name, pulse.throttle, pulse.duration, extra,
-                                         stem + "_motion.csv")
-            _try(made, name, "predicted trajectory", failure, lambda path=stem + "_motion.csv", key=name:
-                 made.trajectories.__setitem__(key, readers.read_trajectory(path)))
+            failure = program.trajectory(name, pulses[name].throttle, pulses[name].duration, stem + "_motion.csv")
+            _try(made, name, "predicted trajectory", failure, made.trajectories,
+                 lambda: readers.read_trajectory(stem + "_motion.csv"))
     made.commands += [text.replace(folder + os.sep, "") for text in program.commands]
 
 
-def _try(made, name, what, failure, take):
-    """Takes a result of the command line, or notes why there is none."""
+def _try(made, name, what, failure, place, read):
+    """Takes a result of the command line into place[name], or notes why there is none."""
     if failure is None:
         try:
-            take()
+            place[name] = read()
             return
         except InputError as error:
             failure = str(error)

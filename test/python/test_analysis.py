@@ -57,11 +57,12 @@ class GoodRun(unittest.TestCase):
         self.assertEqual(statistics.accepted, 2)
 
     def test_summary_that_disagrees_is_called_out(self):
-        claim = {"ok": False, "reason": "", "switches": [{"name": "F->Q", "ok": False, "reason": "timed out"}]}
+        claim = {"ok": False, "reason": "gave up", "switches": [{"name": "F->Q", "ok": False, "reason": "timed out"}]}
         _, verdict = judged(self.run_data, claim)
         self.assertTrue(verdict.good)
         self.assertTrue(any("says it failed, the record says: happened" in note for note in verdict.notes))
         self.assertTrue(any("timed out" in note for note in verdict.notes))
+        self.assertTrue(any("gave up" in note for note in verdict.notes))
 
     def test_comparison_has_numbers_for_both_sides(self):
         rows = {row[0]: row for row in analysis.comparison_rows(self.switches[0])}
@@ -83,7 +84,8 @@ class FailedRuns(unittest.TestCase):
 
     def test_claimed_success_does_not_make_one(self):
         run = synthetic_run.make_buffer({"F->Q": (2.0, 0.12, 0.3)}).to_run("closed")
-        claim = {"ok": True, "switches": [{"name": "F->Q", "ok": True}, {"name": "Q->F", "ok": True}]}
+        claim = {"ok": True, "reason": "", "switches": [{"name": name, "ok": True, "reason": ""}
+                                                        for name in ("F->Q", "Q->F")]}
         _, verdict = judged(run, claim)
         self.assertFalse(verdict.good)
         self.assertEqual(sum("says it succeeded" in note for note in verdict.notes), 2)
@@ -111,6 +113,17 @@ class FailedRuns(unittest.TestCase):
         self.assertEqual(switches, [])
         self.assertEqual(set(verdict.status.values()), {"not known"})
         self.assertIsNone(analysis.link_statistics(run))
+
+    def test_watch_ends_when_the_hand_takes_hold(self):
+        buffer = synthetic_run.make_buffer({"F->Q": (2.0, 0.55, 0.3)})
+        run = buffer.to_run("closed")
+        truth = run.series["truth"]
+        truth["held"] = (truth["time"] < 1.9) | (truth["time"] > 4.0)
+        truth["travel"][truth["time"] > 4.5] = 0.5  # whatever the hand does to it
+        switches, verdict = judged(run)
+        self.assertAlmostEqual(switches[0].until, 4.0, delta=0.01)
+        self.assertLess(switches[0].true.peak_travel, 0.1)
+        self.assertEqual(verdict.status["F->Q"], "happened")
 
     def test_lost_frames_failsafe_and_restart_are_counted(self):
         buffer = synthetic_run.RunBuffer(synthetic_run.ORIGIN)

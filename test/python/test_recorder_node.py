@@ -1,6 +1,7 @@
 """The recording node with a stand-in for rospy: strict parameters, and a file that is right however the node ends."""
 
 import importlib
+import json
 import os
 import sys
 import tempfile
@@ -21,7 +22,8 @@ class FakeRospy(types.ModuleType):
         self.parameters, self.callbacks, self.polls, self.on_poll, self.fatal = parameters, {}, 0, {}, []
 
     def get_param(self, name, default):
-        return self.parameters if name == "~" else default
+        tree = {"run_id": "x", "record_run": self.parameters, "plant": {"seed": 3, "deep": {"a": 1}}}
+        return {"~": self.parameters, "/": tree}.get(name, default)
 
     def get_time(self):
         return synthetic_run.ORIGIN
@@ -33,6 +35,10 @@ class FakeRospy(types.ModuleType):
 
     def Subscriber(self, name, kind, callback, callback_args, **_):  # noqa: N802, the name is rospy's
         self.callbacks[name] = lambda message: callback(message, callback_args)
+        return mock.Mock()
+
+    def Service(self, name, kind, handler):  # noqa: N802
+        self.service = (name, handler)
         return mock.Mock()
 
     def init_node(self, name):
@@ -52,7 +58,9 @@ class Node(unittest.TestCase):
         self.rospy = FakeRospy({"output": self.output})
         messages, imu = types.ModuleType("snapwing"), types.ModuleType("sensor_msgs.msg")
         messages.msg, imu.Imu = mock.Mock(), mock.Mock()
-        modules = {"rospy": self.rospy, "snapwing": messages, "sensor_msgs": types.ModuleType("sensor_msgs"),
+        triggers = types.ModuleType("std_srvs.srv")
+        triggers.Trigger, triggers.TriggerResponse = mock.Mock(), types.SimpleNamespace
+        modules = {"std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": triggers, "rospy": self.rospy, "snapwing": messages, "sensor_msgs": types.ModuleType("sensor_msgs"),
                    "sensor_msgs.msg": imu}
         self.patch = mock.patch.dict(sys.modules, modules)
         self.patch.start()
@@ -106,6 +114,34 @@ class Node(unittest.TestCase):
         with mock.patch("builtins.print"):
             self.node.record(self.output, 0.05, "")
         self.assertEqual(seen, [("recording", 0), ("recording", 1)])
+
+    def test_service_saves_at_once_and_later_saves_keep_its_mark(self):
+        answers = []
+
+        def ask():
+            name, handler = self.rospy.service
+            answers.append((name, handler(None), run_file.read_run(self.output).attributes["ended"]))
+            self.node.Recording.save(self.recording)
+            answers.append(run_file.read_run(self.output).attributes["ended"])
+        make = self.node.Recording
+
+        def keep(*arguments):
+            self.recording = make(*arguments)
+            return self.recording
+        self.rospy.on_poll[3] = ask
+        with mock.patch("builtins.print"), mock.patch.object(self.node, "Recording", side_effect=keep) as patched:
+            patched.save = make.save
+            self.node.record(self.output, 100.0, "")
+        name, answer, ended = answers[0]
+        self.assertEqual((name, answer.success, answer.message), ("~save", True, self.output))
+        self.assertEqual([ended, answers[1]], ["saved on request", "saved on request"])
+        self.assertEqual(run_file.read_run(self.output).attributes["ended"], "closed")
+
+    def test_parameters_of_all_nodes_are_kept(self):
+        with mock.patch("builtins.print"):
+            self.node.main()
+        kept = json.loads(run_file.read_run(self.output).attributes["parameters"])
+        self.assertEqual(kept, {"/record_run/output": self.output, "/plant/seed": 3, "/plant/deep/a": 1})
 
     def test_vehicle_file_is_hashed(self):
         vehicle = os.path.join(self.folder.name, "vehicle.yaml")

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import os
 import re
 import stat
@@ -10,8 +11,10 @@ import unittest
 from html.parser import HTMLParser
 
 import synthetic_run
-from snapwing_tools import inputs, report_command, style
+from snapwing_tools import inputs, report_command, scenario_summary, style
 from snapwing_tools.errors import InputError
+from snapwing_tools.report import Inputs, Report
+from snapwing_tools.run_file import read_run
 from snapwing_tools.text_format import difference, number
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -91,11 +94,32 @@ class Command(unittest.TestCase):
         synthetic_run.write_map(self.path("q.csv"), "Q->F")
         synthetic_run.write_trajectory(self.path("tf.csv"))
         synthetic_run.write_trajectory(self.path("tq.csv"), "Q->F")
-        summary = self.write("summary.json", '{"ok": true, "reason": "", "rung": "lumped", "switches": ['
-                             '{"name": "F->Q", "ok": true}, {"name": "Q->F", "ok": true}]}')
+        summary = self.summary()
         return ["--vehicle", VEHICLE, "--table", self.path("table.h5"), "--map", "F", self.path("f.csv"), "--map", "Q",
                 self.path("q.csv"), "--trajectory", "F", self.path("tf.csv"), "--trajectory", "Q", self.path("tq.csv"),
                 "--summary", summary]
+
+    def summary(self, **changes):
+        """A scenario's outcome as its own writer stores it; both switches good but for `changes` of the first."""
+        outcome = scenario_summary.Outcome(vehicle="made_up", curve_rung="made up")
+        for start, target in ((1, 2), (2, 1)):
+            switch = scenario_summary.Switch(start, target, code=0, estimated_mode=target, rung="lumped")
+            switch.happened.end_mode = target
+            outcome.switches.append(switch)
+        for name, value in changes.items():
+            setattr(outcome.switches[0], name, value)
+        scenario_summary.write_result(outcome, self.path("summary.json"))
+        return self.path("summary.json")
+
+    def write_plan(self, throttle):
+        content = {"plan": {"pulse": {"throttle": throttle, "duration": 0.3}, "nominal": {"energy_margin": 0.7},
+                            "influences": [{"name": "drag", "low_margin": 0.2, "high_margin": 0.9},
+                                           {"name": "lag", "low_margin": 0.6, "high_margin": None}]},
+                   "accidents": [{"name": "gust", "explanation": "wind", "mode": "F", "unit": "N", "limit": 9.0,
+                                  "occurs": 7.5, "holds": True},
+                                 {"name": "dive", "explanation": "speed", "mode": "Q", "unit": "m/s", "limit": None,
+                                  "occurs": None, "holds": False}]}
+        return self.write("plan.json", json.dumps(content))
 
     def test_full_report(self):
         code, out, err = self.make(self.good, *self.full(), "--figures", self.path("png"), "--require-success")
@@ -148,7 +172,7 @@ class Command(unittest.TestCase):
 
     def test_failed_switch_is_not_hidden(self):
         synthetic_run.make_buffer({"F->Q": (2.0, 0.12, 0.3)}).save(self.path("run.h5"), "closed")
-        summary = self.write("s.json", '{"ok": true, "switches": [{"name": "F->Q", "ok": true}]}')
+        summary = self.summary()
         code, out, _ = self.make(self.path("run.h5"), "--summary", summary, "--require-success")
         self.assertEqual(code, 1)
         self.assertIn("did not happen", out)
@@ -187,8 +211,10 @@ class Command(unittest.TestCase):
         self.refused("the file is empty", self.good, "--summary", empty)
         self.refused("not JSON", self.good, "--summary", columns)
         self.refused("list 'switches'", self.good, "--summary", self.write("a.json", "[]"))
-        self.refused("needs 'name' and 'ok'", self.good, "--summary",
+        self.refused("needs 'start' and 'target'", self.good, "--summary",
                      self.write("b.json", '{"ok": true, "switches": [{"ok": true}]}'))
+        self.refused("'ok' must be", self.good, "--summary", self.write("c.json", '{"ok": 1, "switches": []}'))
+        self.refused("--map-size 1", self.good, "--vehicle", VEHICLE, "--snapwing", "/bin/true", "--map-size", "1")
         self.refused("no vehicle file", self.good, "--vehicle", self.write("v.yaml", "a: 1\n"))
         self.refused("not YAML", self.good, "--vehicle", self.write("w.yaml", "a: [1\n"))
         self.refused("not a program", self.good, "--vehicle", VEHICLE, "--snapwing", columns)
@@ -206,16 +232,29 @@ class Command(unittest.TestCase):
 
     def test_command_line_fills_in_maps_and_trajectories(self):
         self.full()
+        self.write_plan(synthetic_run.PULSES["F->Q"][1])
         program = self.program(
-            'what=$1; while [ $# -gt 0 ]; do case $1 in --from) from=$2;; --map|--csv) out=$2;; esac; shift; done\n'
-            'case $what$from in planF) cp {0}/f.csv $out;; planQ) cp {0}/q.csv $out; exit 1;;'
-            ' predictF) cp {0}/tf.csv $out;; predictQ) cp {0}/tq.csv $out;; esac\n'.format(self.folder.name))
+            'what=$1; while [ $# -gt 0 ]; do case $1 in --from) from=$2;; --map|--csv) out=$2;; --json) plan=$2;; esac;'
+            ' shift; done\ncd {}\n'
+            'case $what$from in planF) cp f.csv $out; cp plan.json $plan;; planQ) cp q.csv $out; echo no > $plan; exit 1;;'
+            ' predictF) cp tf.csv $out;; predictQ) cp tq.csv $out;; esac\n'.format(self.folder.name))
         code, out, _ = self.make(self.good, "--vehicle", VEHICLE, "--snapwing", program, "--trial", "--mount boom")
         self.assertEqual(code, 0)
         self.assertNotIn("no outcome map", out)
         self.assertNotIn("no predicted trajectory", out)
+        self.assertRegex(out, "Q->F: no list of influences: .*not JSON")
+        headings = Checker(self.page()).headings
         self.assertIn("--mount boom", self.page())
-        self.assertIn("What pulses do", Checker(self.page()).headings)
+        for heading in ("What pulses do", "What the margins hang on", "What may flip the mode by accident"):
+            self.assertIn(heading, headings)
+        self.assertNotIn("another pulse than the run", self.page())
+
+    def test_plan_of_another_pulse_is_marked(self):
+        plan = inputs.read_plan(self.write_plan(0.9))
+        made = Inputs(read_run(self.good))
+        made.plans["F->Q"] = plan
+        report = Report(made)
+        self.assertIn("another pulse than the run", report.html(report.figures()))
 
     def test_command_line_that_fails_is_reported(self):
         program = self.program("echo no table >&2; exit 2\n")
@@ -255,6 +294,20 @@ class Readers(unittest.TestCase):
             found = inputs.read_outcome_map(path)
         self.assertEqual(found.margin.tolist(), [[-2, -1], [1, 2]])
         self.assertEqual(found.share.tolist(), [[0.25, 0], [1, 1]])
+
+    def test_summary_counts_a_switch_only_if_truth_and_estimate_agree(self):
+        outcome = scenario_summary.Outcome()
+        for true, estimated, code in ((2, 2, 0), (1, 2, 0), (2, 0, 0), (2, 2, 3)):
+            switch = scenario_summary.Switch(1, 2, code=code, estimated_mode=estimated, message="because")
+            switch.happened.end_mode = true
+            outcome.switches.append(switch)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "s.json")
+            scenario_summary.write_result(outcome, path)
+            found = inputs.read_summary(path)
+        self.assertEqual([entry["ok"] for entry in found["switches"]], [True, False, False, False])
+        self.assertFalse(found["ok"])
+        self.assertTrue(found["reason"])
 
     def test_trajectory_must_run_forward(self):
         with tempfile.TemporaryDirectory() as folder:
