@@ -24,6 +24,9 @@ void require(bool good, const char* name, double value, const char* allowed) {
 /// Likelihood of a reading that has nothing to do with the model: uniform over what an accelerometer may show.
 constexpr double OUTLIER_DENSITY = 1.0 / 300.0;  // [s2/m]
 
+constexpr double LEAST_NOISE = 0.002;  // [m/s per square root of s] of u' when nothing moves
+constexpr double COMMON_NOISE = 0.05;  // [m/s per square root of s] of the common speed: drag and thrust not modelled
+
 struct Particle {
   std::shared_ptr<const rom::LumpedModel> model;
   rom::LumpedState state;
@@ -124,15 +127,17 @@ void ModeEstimator::Impl::moveTo(double at) {
   if (!(span > 0)) return;
   const int count = std::max(1, static_cast<int>(std::ceil(span / settings.step - 1e-9)));
   const double dt = span / count;
-  const double kick = settings.process_noise * std::sqrt(span);
+  const double spread = std::sqrt(span);
   for (Particle& particle : particles) {
     const double q = particle.model->parameters().quadratic_share;
     for (int i = 0; i < count; ++i) {
       const double demand = common::thrustFraction(q, outputFor(particle, time + (i + 0.5) * dt));
       particle.state = particle.model->step(particle.state, demand, dt, trial);
     }
-    if (settings.mount != rom::Mount::HELD) particle.state.ring_speed += kick * random.normal();
-    particle.state.centre_speed += kick * random.normal();
+    const double kick = (settings.process_noise * std::abs(particle.state.travelRate()) + LEAST_NOISE) * spread;
+    const double common_kick = settings.mount == rom::Mount::HELD ? 0.0 : COMMON_NOISE * spread * random.normal();
+    particle.state.ring_speed += common_kick;
+    particle.state.centre_speed += common_kick + kick * random.normal();
     particle.state.time = at;
   }
   time = at;

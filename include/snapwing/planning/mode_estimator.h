@@ -23,7 +23,9 @@ struct EstimatorSettings {
   double accelerometer_bias = 0.2;   ///< [m/s2] standard deviation of a constant offset, one per particle
   /// [s] errors of model and sensor live about this long: readings closer together count for less
   double correlation_time = 0.02;
-  double process_noise = 0.1;   ///< [m/s per square root of s] random walk of u' and of the common speed
+  /// [1 per square root of s] random walk of u' in proportion to |u'|: errors of the model show when things move. Noise
+  /// that never sleeps would favour the softer mode whenever the sensor is quiet.
+  double process_noise = 0.3;
   double output_delay = 0.02;   ///< [s] motor outputs act up to this long after their stamp, different per particle
   double outlier_share = 0.01;  ///< [1] readings that say nothing (a wide floor under the weights)
   double step = 2e-3;           ///< [s] of the particles' motion
