@@ -3,6 +3,8 @@ person would use. Arms, switches F -> Q, lets the boom be stopped by hand, switc
 happened. Exit code 0 only if both switches happened in truth and in the estimate."""
 
 import argparse
+import os
+import signal
 import sys
 import threading
 
@@ -78,6 +80,7 @@ class Scenario:
             self.stop_boom()
             self.switch(FIXED_WING, QUADROTOR)
             self.stop_boom()
+            self.mark("picture_now")
             self.switch(QUADROTOR, FIXED_WING)
             self.stop_boom()
             self.disarm()
@@ -149,6 +152,8 @@ class Scenario:
             f"for {switch.duration:.3f} s")
         self.call("ring_held", False)
         self.call("hold", False)
+        if self.options.kill_bridge == NAMES[start]:
+            threading.Thread(target=self.kill_bridge, args=(switch.duration,), daemon=True).start()
         asked = rospy.get_time()
         result = self.ask(target, plan_only=False, timeout=self.options.switch_timeout)
         self.note_result(switch, result, asked)
@@ -171,6 +176,24 @@ class Scenario:
             return ""
         off = max(truth.motor_outputs or [0.0]) == 0.0
         return "; the flight controller's failsafe turned the motors off" if off else "; the motors are still turning"
+
+    def kill_bridge(self, duration):
+        """Ends the radio bridge without warning in the middle of the next pulse."""
+        with open(os.path.join(self.options.output_dir, "radio_bridge.pid"), encoding="ascii") as stream:
+            process = int(stream.read())
+        while not rospy.is_shutdown():
+            if self.listener.latest("link_status").bridge_state == LinkStatus.BRIDGE_PULSE:
+                rospy.sleep(duration / 2)
+                say("killing radio_bridge in the middle of the pulse")
+                os.kill(process, signal.SIGKILL)
+                return
+            rospy.sleep(0.005)
+
+    def mark(self, name):
+        """An empty file that tells others how far the scenario is."""
+        if self.options.output_dir:
+            with open(os.path.join(self.options.output_dir, name), "w", encoding="ascii"):
+                pass
 
     def disarm(self):
         say("disarming")
@@ -265,7 +288,11 @@ def say(text):
 
 def parse_options(arguments):
     parser = argparse.ArgumentParser(prog="run_scenario", description=__doc__)
-    parser.add_argument("--result", default="", metavar="FILE", help="write the outcome as JSON")
+    parser.add_argument("--output-dir", default="", metavar="FOLDER",
+                        help="write run_summary.json and summary.txt there")
+    parser.add_argument("--kill-bridge", default="none", choices=("none", "F", "Q"),
+                        help="kill radio_bridge in the middle of the pulse that starts in this mode (a test of the "
+                             "failsafe; needs its process id in FOLDER/radio_bridge.pid)")
     for name, default, text in (("ready-timeout", 30.0, "all nodes must be there by then"),
                                 ("arm-timeout", 20.0, "for arming, boot grace included"),
                                 ("plan-timeout", 60.0, "for one plan"),
@@ -274,7 +301,17 @@ def parse_options(arguments):
                                 ("watch-after", 0.5, "watched after each switch"),
                                 ("failsafe-wait", 2.0, "after a lost link, before the motors are looked at")):
         parser.add_argument(f"--{name}", type=float, default=default, metavar="S", help=f"[s] {text} (%(default)s)")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    if options.kill_bridge != "none" and not options.output_dir:
+        parser.error("--kill-bridge needs --output-dir")
+    return options
+
+
+def write_outcome(outcome, folder):
+    os.makedirs(folder, exist_ok=True)
+    with open(os.path.join(folder, "summary.txt"), "w", encoding="utf-8") as stream:
+        stream.write(table(outcome) + "\n")
+    write_result(outcome, os.path.join(folder, "run_summary.json"))
 
 
 def main():
@@ -282,6 +319,6 @@ def main():
     rospy.init_node("scenario", anonymous=False)
     outcome = Scenario(options).run()
     print("\n" + table(outcome) + "\n", flush=True)
-    if options.result:
-        write_result(outcome, options.result)
+    if options.output_dir:
+        write_outcome(outcome, options.output_dir)
     return 1 if outcome.trouble() else 0

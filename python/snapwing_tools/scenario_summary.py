@@ -173,8 +173,13 @@ def _without_nan(value):
 
 
 def write_result(outcome, path):
-    """JSON with everything in the outcome, `ok` and `trouble`; replaces the file in one step. NaN becomes null."""
-    content = dict(_without_nan(asdict(outcome)), ok=not outcome.trouble(), trouble=outcome.trouble())
+    """JSON with everything in the outcome, and `ok` and `reason` of the whole and of each switch; replaces the file in
+    one step. NaN becomes null."""
+    content = _without_nan(asdict(outcome))
+    content.update(ok=not outcome.trouble(), reason=outcome.trouble(),
+                   rung=next((switch.rung for switch in outcome.switches if switch.rung), ""))
+    for entry, switch in zip(content["switches"], outcome.switches):
+        entry.update(name=arrow(switch).replace(" ", ""), ok=not switch.trouble(), reason=switch.trouble())
     temporary = f"{path}.part"
     with open(temporary, "w", encoding="utf-8") as stream:
         json.dump(content, stream, indent=2)

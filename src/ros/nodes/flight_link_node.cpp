@@ -23,6 +23,7 @@
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
+#include "snapwing_lcm/abort_t.hpp"
 
 namespace snapwing::nodes {
 namespace {
