@@ -24,6 +24,7 @@
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
 #include "snapwing_lcm/abort_t.hpp"
+#include "snapwing_lcm/abort_t.hpp"
 
 namespace snapwing::nodes {
 namespace {
