@@ -176,12 +176,14 @@ void BridgeCore::resetFault(Sender& sender) {
 
 void BridgeCore::disarm() {
   status_.state = BridgeState::IDLE;
+  pulse_end_ = std::min(pulse_end_, status_.frame_time);
   has_pending_ = false;
   for (Sender& sender : senders_) sender.switch_off_seen = false;
 }
 
 void BridgeCore::latch(Fault fault, std::int64_t detail) {
   has_pending_ = false;
+  pulse_end_ = std::min(pulse_end_, status_.frame_time);
   for (Sender& sender : senders_) sender.switch_off_seen = false;
   // The first cause stays, except that ending the bridge cannot be reset and so must show.
   if (status_.state == BridgeState::FAULT && fault != Fault::SHUTDOWN) return;

@@ -1,0 +1,452 @@
+/// The bridge's state machine on a fake clock.
+#include "snapwing/link/bridge_core.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::link {
+namespace {
+
+constexpr std::int64_t SESSION = 42, SENDER = 7;
+
+class Core : public ::testing::Test {
+ protected:
+  explicit Core(const BridgeSettings& settings = {}) : core_(settings, SESSION, 100.0) {
+    controller_.connected = true;
+    controller_.known = true;
+  }
+
+  Stamp stamp(std::int64_t sender = SENDER) { return {sender, SESSION, ++number_, now_, 0.1}; }
+  PulseCommand pulse(std::int64_t id, double throttle, double duration) {
+    PulseCommand command;
+    command.stamp = stamp();
+    command.pulse_id = id;
+    command.throttle = throttle;
+    command.duration = duration;
+    return command;
+  }
+  Refusal beat(bool arm, bool deadman = true, bool reset = false, std::int64_t sender = SENDER) {
+    return core_.onHeartbeat({stamp(sender), arm, deadman, reset}, now_);
+  }
+  /// One frame; the controller follows AUX1 at once and reports it.
+  const Channels& tick() {
+    now_ = std::max(now_, core_.nextFrameTime());
+    controller_.status_time = now_;
+    if (follow_) controller_.armed = core_.status().channels.us[AUX1] > 1700;
+    core_.onController(controller_);
+    const Channels& channels = core_.tick(now_);
+    core_.onSent(written_, now_);
+    return channels;
+  }
+  void run(double seconds, bool arm, bool deadman = true) {
+    const double end = now_ + seconds;
+    while (now_ < end - 1e-9) {
+      beat(arm, deadman);
+      tick();
+    }
+  }
+  void arm() {
+    run(0.1, false);
+    run(0.1, true);
+    ASSERT_EQ(core_.status().state, BridgeState::ARMED);
+    ASSERT_TRUE(controller_.armed);
+  }
+  bool safe() const {
+    const Channels& c = core_.status().channels;
+    return c.us[THROTTLE] == 1000 && c.us[AUX1] == 1000 && c.us[PITCH] == 1500 && c.count == FRAME_CHANNELS;
+  }
+
+  double now_ = 100.0;
+  std::int64_t number_ = 0;
+  ControllerState controller_;
+  bool follow_ = true, written_ = true;
+  BridgeCore core_;
+};
+
+TEST_F(Core, SafeFramesAtFiftyHertzFromTheStart) {
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_NEAR(core_.nextFrameTime(), 100.0 + 0.02 * i, 1e-9);
+    tick();
+    ASSERT_TRUE(safe());
+  }
+}
+
+TEST_F(Core, ArmsOnlyAfterTheSwitchWasOff) {
+  tick();
+  EXPECT_EQ(beat(true), Refusal::SWITCH_NOT_CYCLED);
+  run(0.5, true);
+  EXPECT_EQ(core_.status().state, BridgeState::IDLE);
+  EXPECT_EQ(core_.status().commands_refused, 1) << "counted once, not with every heartbeat";
+  run(0.1, false);
+  run(0.1, true);
+  EXPECT_EQ(core_.status().state, BridgeState::ARMED);
+  EXPECT_EQ(core_.status().channels.us[AUX1], 2000);
+  EXPECT_EQ(core_.status().channels.us[THROTTLE], 1000);
+}
+
+TEST_F(Core, ArmingInterlocks) {
+  const auto attempt = [this] {
+    run(0.06, false);
+    const Refusal refusal = beat(true);
+    tick();
+    return refusal;
+  };
+  controller_.connected = false;
+  EXPECT_EQ(attempt(), Refusal::NOT_CONNECTED);
+  controller_.connected = true;
+  controller_.known = false;
+  EXPECT_EQ(attempt(), Refusal::CONTROLLER_UNKNOWN);
+  controller_.known = true;
+  controller_.arming_flags = 1U << 9;
+  EXPECT_EQ(attempt(), Refusal::CONTROLLER_NOT_READY);
+  EXPECT_NE(describe(core_.status().last_refusal, core_.status().last_refusal_detail).find("BOOTGRACE"), std::string::npos);
+  controller_.arming_flags = 0;
+  controller_.failsafe = true;
+  EXPECT_EQ(attempt(), Refusal::CONTROLLER_FAILSAFE);
+  controller_.failsafe = false;
+  written_ = false;
+  EXPECT_EQ((run(0.2, false), attempt()), Refusal::NOT_CONNECTED);
+  written_ = true;
+  follow_ = false;
+  controller_.armed = true;
+  EXPECT_EQ(attempt(), Refusal::CONTROLLER_NOT_READY) << "armed by somebody else";
+  controller_.armed = false;
+  follow_ = true;
+  EXPECT_EQ((beat(false), beat(true, false)), Refusal::NONE);
+  tick();
+  EXPECT_EQ(core_.status().state, BridgeState::IDLE) << "deadman not held";
+  EXPECT_EQ(attempt(), Refusal::NONE);
+  EXPECT_EQ(core_.status().state, BridgeState::ARMED);
+}
+
+TEST_F(Core, PulseHasItsExactLengthAndEndsByItself) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 0.5, 0.133), now_), Refusal::NONE);
+  beat(true);
+  ASSERT_EQ(tick().us[THROTTLE], 1500);
+  EXPECT_EQ(core_.status().state, BridgeState::PULSE);
+  const double start = now_;
+  while (core_.status().state == BridgeState::PULSE) {
+    beat(true);
+    tick();
+    ASSERT_LT(now_ - start, 0.2);
+  }
+  EXPECT_NEAR(now_ - start, 0.133, 1e-9);
+  EXPECT_EQ(core_.status().state, BridgeState::ARMED);
+  EXPECT_EQ(core_.status().channels.us[THROTTLE], 1000);
+  EXPECT_EQ(core_.status().channels.us[AUX1], 2000);
+  const double end = now_;
+  beat(true);
+  tick();
+  EXPECT_NEAR(now_ - end, 0.02, 1e-9);
+}
+
+TEST_F(Core, CommandToFrameTakesLessThanAPeriod) {
+  arm();
+  now_ += 0.0001;
+  ASSERT_EQ(core_.onPulse(pulse(1, 0.5, 0.1), now_), Refusal::NONE);
+  const double commanded = now_;
+  beat(true);
+  tick();
+  EXPECT_EQ(core_.status().channels.us[THROTTLE], 1500);
+  EXPECT_LT(now_ - commanded, 0.02);
+  EXPECT_NEAR(core_.status().latency_worst, now_ - commanded, 1e-9);
+}
+
+TEST_F(Core, RefusesBadPulses) {
+  run(0.1, false);
+  EXPECT_EQ(core_.onPulse(pulse(1, 0.5, 0.1), now_), Refusal::NOT_ARMED);
+  arm();
+  EXPECT_EQ(core_.onPulse(pulse(2, 1.1, 0.1), now_), Refusal::BAD_VALUE);
+  EXPECT_EQ(core_.onPulse(pulse(2, -0.1, 0.1), now_), Refusal::BAD_VALUE);
+  EXPECT_EQ(core_.onPulse(pulse(2, std::nan(""), 0.1), now_), Refusal::BAD_VALUE);
+  EXPECT_EQ(core_.onPulse(pulse(2, 0.5, 0.0), now_), Refusal::BAD_VALUE);
+  EXPECT_EQ(core_.onPulse(pulse(2, 0.5, std::nan("")), now_), Refusal::BAD_VALUE);
+  EXPECT_EQ(core_.onPulse(pulse(2, 0.5, 1.6), now_), Refusal::BAD_VALUE);
+  EXPECT_EQ(core_.onPulse(pulse(2, 0.5, std::numeric_limits<double>::infinity()), now_), Refusal::BAD_VALUE);
+  PulseCommand mixed = pulse(2, 0.5, 0.1);
+  mixed.mixed = true;
+  EXPECT_EQ(core_.onPulse(mixed, now_), Refusal::MIXED_NOT_ALLOWED);
+  PulseCommand other = pulse(2, 0.5, 0.1);
+  other.stamp.sender_id = 99;
+  EXPECT_EQ(core_.onPulse(other, now_), Refusal::OTHER_OPERATOR);
+  EXPECT_EQ(core_.onPulse(pulse(2, 0.5, 0.1), now_), Refusal::NONE);
+  beat(true);
+  tick();
+  EXPECT_EQ(core_.onPulse(pulse(3, 0.5, 0.1), now_), Refusal::BUSY);
+  run(0.2, true);
+  EXPECT_EQ(core_.onPulse(pulse(2, 0.5, 0.1), now_), Refusal::REPEATED_PULSE);
+  EXPECT_EQ(core_.onPulse(pulse(1, 0.5, 0.1), now_), Refusal::REPEATED_PULSE);
+  EXPECT_EQ(core_.status().commands_refused, 13);
+}
+
+TEST_F(Core, StampsOfOldRepeatedForeignAndFutureMessages) {
+  arm();
+  PulseCommand command = pulse(1, 0.5, 0.1);
+  command.stamp.time = now_ - 0.101;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE);
+  command = pulse(1, 0.5, 0.1);
+  command.stamp.time = now_ - 0.05;
+  command.stamp.expiry = 0.04;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE) << "the sender's own expiry";
+  command = pulse(1, 0.5, 0.1);
+  command.stamp.time = now_ - 0.2;
+  command.stamp.expiry = 10.0;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE) << "no expiry extends the bridge's limit";
+  command = pulse(1, 0.5, 0.1);
+  command.stamp.time = now_ + 0.05;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::FROM_FUTURE);
+  command.stamp.time = std::nan("");
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE);
+  command = pulse(1, 0.5, 0.1);
+  command.stamp.session = SESSION + 1;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::WRONG_SESSION);
+  command = pulse(1, 0.5, 0.1);
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::NONE);
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::REPEATED_NUMBER);
+}
+
+TEST_F(Core, LatestCommandBeforeTheFrameWins) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 0.9, 0.5), now_), Refusal::NONE);
+  ASSERT_EQ(core_.onPulse(pulse(2, 0.4, 0.1), now_), Refusal::NONE);
+  beat(true);
+  EXPECT_EQ(tick().us[THROTTLE], 1400);
+  run(0.3, true);
+  EXPECT_EQ(core_.status().commanded_throttle, 0.0) << "the first one is not queued";
+  EXPECT_EQ(core_.status().pulse_id, 2);
+}
+
+TEST_F(Core, AcceptedCommandThatWaitsTooLongForItsFrameIsDropped) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 0.9, 0.5), now_), Refusal::NONE);
+  now_ += 0.099 + 0.02;
+  core_.onHeartbeat({stamp(), true, true, false}, now_);
+  tick();
+  EXPECT_NE(core_.status().channels.us[THROTTLE], 1900);
+}
+
+TEST_F(Core, DeadmanAndSwitchDisarmWithTheNextFrame) {
+  for (const bool by_switch : {true, false}) {
+    SCOPED_TRACE(by_switch);
+    arm();
+    ASSERT_EQ(core_.onPulse(pulse(by_switch ? 1 : 2, 1.0, 1.0), now_), Refusal::NONE);
+    run(0.2, true);
+    ASSERT_EQ(core_.status().state, BridgeState::PULSE);
+    beat(!by_switch, by_switch);
+    tick();
+    EXPECT_TRUE(safe());
+    EXPECT_EQ(core_.status().state, BridgeState::IDLE);
+    run(0.3, true);
+    EXPECT_TRUE(safe()) << "the switch left on does not arm again";
+  }
+}
+
+TEST_F(Core, LostHeartbeatLatches) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 1.0, 1.0), now_), Refusal::NONE);
+  beat(true);
+  const double last = now_;
+  while (core_.status().state != BridgeState::FAULT) {
+    tick();
+    ASSERT_LT(now_ - last, 0.3);
+  }
+  EXPECT_LE(now_ - last, 0.2 + 0.02 + 1e-9);
+  EXPECT_TRUE(safe());
+  EXPECT_EQ(core_.status().fault, Fault::HEARTBEAT_LOST);
+  run(0.5, true);
+  EXPECT_TRUE(safe()) << "a heartbeat that returns does not resume";
+  run(0.1, false);
+  run(0.1, true);
+  EXPECT_EQ(core_.status().state, BridgeState::FAULT) << "latched until reset";
+  beat(false);
+  beat(false, true, true);
+  EXPECT_EQ(core_.status().state, BridgeState::IDLE);
+  run(0.1, false);
+  run(0.3, true);
+  EXPECT_EQ(core_.status().state, BridgeState::ARMED);
+  EXPECT_EQ(core_.status().channels.us[THROTTLE], 1000) << "the old pulse is gone";
+}
+
+TEST_F(Core, AbortLatchesFromEveryStateEvenWhenLate) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 1.0, 1.0), now_), Refusal::NONE);
+  run(0.1, true);
+  Abort abort{stamp(), 3};
+  abort.stamp.time = now_ - 0.5;
+  EXPECT_EQ(core_.onAbort(abort, now_), Refusal::NONE);
+  beat(true);
+  tick();
+  EXPECT_TRUE(safe());
+  EXPECT_EQ(core_.status().fault, Fault::ABORTED);
+  EXPECT_EQ(core_.status().fault_detail, 3);
+}
+
+TEST_F(Core, OwnStallLatchesBeforeTheFirstFrameAfterIt) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 1.0, 1.4), now_), Refusal::NONE);
+  run(0.1, true);
+  now_ += 0.6;  // stopped, then continued, with a fresh heartbeat at once
+  beat(true);
+  tick();
+  EXPECT_TRUE(safe());
+  EXPECT_EQ(core_.status().fault, Fault::LOOP_STALLED);
+}
+
+TEST_F(Core, LineAndControllerFaults) {
+  struct Case {
+    Fault fault;
+    std::function<void()> cause;
+    double within;
+  };
+  const std::vector<Case> cases = {
+      {Fault::LINE_LOST, [this] { controller_.connected = false; }, 0.03},
+      {Fault::LINE_LOST, [this] { written_ = false; }, 0.15},
+      {Fault::CONTROLLER_FAILSAFE, [this] { controller_.failsafe = true; }, 0.03},
+      {Fault::CONTROLLER_DISARMED, [this] { follow_ = false, controller_.armed = false; }, 0.03},
+  };
+  std::int64_t id = 0;
+  for (const Case& c : cases) {
+    SCOPED_TRACE(describe(c.fault, 0));
+    beat(false);
+    beat(false, true, true);
+    arm();
+    ASSERT_EQ(core_.onPulse(pulse(++id, 1.0, 1.0), now_), Refusal::NONE);
+    run(0.1, true);
+    ASSERT_EQ(core_.status().state, BridgeState::PULSE);
+    const double start = now_;
+    c.cause();
+    while (core_.status().state != BridgeState::FAULT && now_ < start + 1.0) beat(true), tick();
+    EXPECT_EQ(core_.status().fault, c.fault);
+    EXPECT_LE(now_ - start, c.within);
+    EXPECT_TRUE(safe());
+    controller_ = ControllerState{};
+    controller_.connected = controller_.known = follow_ = written_ = true;
+    run(0.3, true);
+    EXPECT_TRUE(safe()) << "nothing resumes when the cause is gone";
+  }
+}
+
+TEST_F(Core, ControllerThatDoesNotArmOrGoesSilent) {
+  follow_ = false;
+  run(0.1, false);
+  run(1.2, true);
+  EXPECT_EQ(core_.status().fault, Fault::CONTROLLER_NOT_ARMING);
+  beat(false);
+  beat(false, true, true);
+  follow_ = true;
+  arm();
+  const double quiet_since = now_;
+  while (core_.status().state == BridgeState::ARMED && now_ < quiet_since + 2.0) {
+    beat(true);
+    now_ = core_.nextFrameTime();
+    core_.tick(now_);  // no new status
+    core_.onSent(true, now_);
+  }
+  EXPECT_EQ(core_.status().fault, Fault::TELEMETRY_LOST);
+  EXPECT_NEAR(now_ - quiet_since, 1.0, 0.05);
+}
+
+TEST_F(Core, MotorsThatDoNotObeyLatch) {
+  arm();
+  controller_.motor_max = 1400;
+  const double start = now_;
+  while (core_.status().state == BridgeState::ARMED && now_ < start + 2.0) {
+    controller_.motor_time = now_;
+    beat(true);
+    tick();
+  }
+  EXPECT_EQ(core_.status().fault, Fault::MOTORS_DISAGREE);
+}
+
+TEST_F(Core, ShutdownSendsSafeFramesLongEnoughAndCannotBeReset) {
+  arm();
+  ASSERT_EQ(core_.onPulse(pulse(1, 1.0, 1.0), now_), Refusal::NONE);
+  run(0.1, true);
+  core_.requestShutdown(now_);
+  const double start = now_;
+  int frames = 0;
+  while (!core_.shutdownDone(now_)) {
+    beat(false, true, frames % 2 == 0);
+    tick();
+    ++frames;
+    ASSERT_TRUE(safe());
+  }
+  EXPECT_GE(now_ - start, 0.2);
+  EXPECT_GE(frames, 10);
+  EXPECT_EQ(core_.status().fault, Fault::SHUTDOWN);
+}
+
+TEST_F(Core, SecondOperatorNeitherHoldsNorTakesTheDeadman) {
+  arm();
+  const double last = now_;
+  while (core_.status().state == BridgeState::ARMED && now_ < last + 0.5) {
+    beat(false, true, false, 99);
+    EXPECT_NE(beat(true, true, false, 99), Refusal::NONE);
+    tick();
+  }
+  EXPECT_EQ(core_.status().fault, Fault::HEARTBEAT_LOST);
+}
+
+TEST_F(Core, ManySendersCannotPushOutTheOperator) {
+  arm();
+  for (std::int64_t id = 1000; id < 1100; ++id) {
+    beat(false, true, false, id);
+    beat(true);
+    tick();
+  }
+  EXPECT_EQ(core_.status().state, BridgeState::ARMED);
+}
+
+TEST(BridgeCoreRamp, RisesAtTheGivenRateAndFallsAtOnce) {
+  BridgeSettings settings;
+  settings.throttle_rise = 0.2;
+  BridgeCore core(settings, SESSION, 0.0);
+  ControllerState controller;
+  controller.connected = controller.known = true;
+  double now = 0;
+  std::int64_t number = 0;
+  const auto step = [&](bool arm) {
+    now = core.nextFrameTime();
+    core.onHeartbeat({{SENDER, SESSION, ++number, now, 0.1}, arm, true, false}, now);
+    controller.status_time = now;
+    controller.armed = core.status().channels.us[AUX1] > 1700;
+    core.onController(controller);
+    core.tick(now);
+    core.onSent(true, now);
+  };
+  for (int i = 0; i < 5; ++i) step(false);
+  for (int i = 0; i < 5; ++i) step(true);
+  PulseCommand command;
+  command.stamp = {SENDER, SESSION, 1, now, 0.1};
+  command.pulse_id = 1;
+  command.throttle = 1.0;
+  command.duration = 0.3;
+  ASSERT_EQ(core.onPulse(command, now), Refusal::NONE);
+  double before = 0;
+  for (int i = 0; i < 10; ++i) {
+    step(true);
+    EXPECT_NEAR(core.status().commanded_throttle - before, 0.1, 1e-6);
+    before = core.status().commanded_throttle;
+  }
+  while (core.status().state == BridgeState::PULSE) step(true);
+  EXPECT_EQ(core.status().commanded_throttle, 0.0);
+}
+
+TEST(BridgeSettings, OutOfRangeNamesTheKey) {
+  BridgeSettings settings;
+  settings.heartbeat_timeout = 1.0;
+  try {
+    settings.validate();
+    FAIL();
+  } catch (const common::SettingError& error) {
+    EXPECT_EQ(error.key(), "heartbeat_timeout");
+  }
+}
+
+}  // namespace
+}  // namespace snapwing::link
