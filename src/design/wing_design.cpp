@@ -14,14 +14,12 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr double FEASIBLE = 1e-6;        ///< of the scaled constraints: 10 nm
-constexpr double DISTINCT = 2e-3;        ///< [m] layouts closer than this are one
-constexpr double PENALTY = 0.01;         ///< [m2] per squared constraint, only to rank random layouts
+constexpr double FEASIBLE = 1e-6;  ///< of the scaled constraints: 10 nm
+constexpr double DISTINCT = 2e-3;  ///< [m] layouts closer than this are one
+constexpr double PENALTY = 0.01;   ///< [m2] per squared constraint, only to rank random layouts
 constexpr std::size_t RUNNERS_UP = 8;
 
-double penalised(const WingEvaluation& e) {
-  return e.objective + PENALTY * e.constraints.cwiseMax(0.0).squaredNorm();
-}
+double penalised(const WingEvaluation& e) { return e.objective + PENALTY * e.constraints.cwiseMax(0.0).squaredNorm(); }
 
 /// Uniform in [0, 1) with the same bits everywhere; the library's distributions differ between implementations.
 double uniform(std::mt19937_64* rng) { return static_cast<double>((*rng)() >> 11) * 0x1.0p-53; }
@@ -42,9 +40,11 @@ void keepDistinct(const LocalResult& run, std::vector<LocalResult>* kept) {
   kept->push_back(run);
 }
 
+/// The constraint samples the travel; between its points the angle may dip by a hair.
+double leastTransmission(const WingSettings& s) { return s.transmission_margin - 2e-3; }
+
 bool marginKept(const WingSettings& s, const TravelCheck& check) {
-  // The constraint samples the travel; between its points the angle may dip by a hair.
-  return check.closes && check.smallest_transmission >= s.transmission_margin - 2e-3;
+  return check.closes && check.smallest_transmission >= leastTransmission(s);
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ void assess(const WingSettings& s, WingDesign* d) {
     const auto pose = poseAt(d->linkage, s.targets[i].arm_rotation);
     if (!pose) {
       d->status = WingStatus::INFEASIBLE;
-      d->message = d->travel.verdict(s.transmission_margin);
+      d->message = d->travel.verdict(leastTransmission(s));
       return;
     }
     WingState& state = d->states[i];
@@ -105,7 +105,7 @@ void assess(const WingSettings& s, WingDesign* d) {
   const bool walls = d->separation >= s.separation - slack && d->joint2_x >= s.wall_joint2_x - slack &&
                      d->joint1_y <= s.wall_joint1_y + slack;
   d->status = walls && marginKept(s, d->travel) ? WingStatus::DESIGNED : WingStatus::INFEASIBLE;
-  d->message = d->travel.verdict(s.transmission_margin);
+  d->message = d->travel.verdict(leastTransmission(s));
   if (!walls) d->message += "; joints outside the walls or closer than the separation";
 }
 

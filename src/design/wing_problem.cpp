@@ -11,9 +11,9 @@ using Eigen::Vector4d;
 namespace {
 
 constexpr int TRANSMISSION_SAMPLES = 13;
-constexpr int GEOMETRIC = 5;       ///< s1, s2, s3, crank length, rocker length
-constexpr double SOFT = 1e-5;      ///< of h^2; a loop with margin has h^2 above 1e-2: relative error below 1e-7
-constexpr double LENGTH = 0.01;    ///< [m] scale of the length constraints
+constexpr int GEOMETRIC = 5;     ///< s1, s2, s3, crank length, rocker length
+constexpr double SOFT = 1e-5;    ///< of h^2; a loop with margin has h^2 above 1e-2: relative error below 1e-7
+constexpr double LENGTH = 0.01;  ///< [m] scale of the length constraints
 
 template <class S>
 struct Terms {

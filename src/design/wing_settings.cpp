@@ -78,6 +78,7 @@ void readBars(SettingsReader reader, WingBars* b) {
   b->thickness = reader.numberOr("thickness", b->thickness, LENGTH, "m");
   b->pin_diameter = reader.numberOr("pin_diameter", b->pin_diameter, LENGTH, "m");
   b->friction_moment = reader.numberOr("friction_moment", b->friction_moment, {0, 10}, "N m");
+  b->friction_unevenness = reader.numberOr("friction_unevenness", b->friction_unevenness, {-1, 1}, "1");
   reader.finish();
 }
 

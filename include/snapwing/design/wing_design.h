@@ -21,11 +21,11 @@ const char* nameOf(WingStatus status);
 
 /// One driven state of a finished design.
 struct WingState {
-  double arm_rotation = 0;     ///< [rad]
+  double arm_rotation = 0;  ///< [rad]
   FourBarPose pose;
-  Eigen::Vector2d target;      ///< of the tip [m]
-  double tip_residual = 0;     ///< |tip - target| [m]
-  double rotation_error = 0;   ///< wing rotation - wanted [rad]
+  Eigen::Vector2d target;     ///< of the tip [m]
+  double tip_residual = 0;    ///< |tip - target| [m]
+  double rotation_error = 0;  ///< wing rotation - wanted [rad]
 };
 
 struct LocalResult {
@@ -33,22 +33,22 @@ struct LocalResult {
   double objective = 0;                         ///< [m2]
   double violation = 0;                         ///< largest constraint, 0 if all hold [1]
   int evaluations = 0;
-  std::string stop;                             ///< what ended the run
+  std::string stop;  ///< what ended the run
 };
 
 struct WingDesign {
   WingStatus status = WingStatus::NOT_SOLVED;
   std::string message;
   FourBar linkage;
-  double objective = 0;                ///< [m2]
+  double objective = 0;  ///< [m2]
   std::array<WingState, 2> states;
-  TravelCheck travel;                  ///< from rest to the largest arm rotation of the settings
-  double separation = 0;               ///< |x1 - x2| [m]
-  double joint2_x = 0, joint1_y = 0;   ///< in state 2 [m]
+  TravelCheck travel;                 ///< from rest to the largest arm rotation of the settings
+  double separation = 0;              ///< |x1 - x2| [m]
+  double joint2_x = 0, joint1_y = 0;  ///< in state 2 [m]
   int samples = 0, runs = 0;
-  int evaluations = 0;                 ///< of all local runs
-  double seconds = 0;                  ///< wall time
-  std::vector<LocalResult> runners_up; ///< distinct feasible layouts, best first, at most 8; the first is the design
+  int evaluations = 0;                  ///< of all local runs
+  double seconds = 0;                   ///< wall time
+  std::vector<LocalResult> runners_up;  ///< distinct feasible layouts, best first, at most 8; the first is the design
 };
 
 /// Random layouts that close over the travel, best penalised objective first. @param count  how many to return

@@ -19,10 +19,10 @@ namespace snapwing::design {
 
 /// Values and exact derivatives at one X. Constraints are satisfied where <= 0, and scaled to be of order one.
 struct WingEvaluation {
-  double objective = 0;                                 ///< [m2]
-  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();   ///< [m]
-  Eigen::VectorXd constraints;                          ///< [1]
-  Eigen::Matrix<double, Eigen::Dynamic, 4> jacobian;    ///< one row per constraint [1/m]
+  double objective = 0;                                ///< [m2]
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();  ///< [m]
+  Eigen::VectorXd constraints;                         ///< [1]
+  Eigen::Matrix<double, Eigen::Dynamic, 4> jacobian;   ///< one row per constraint [1/m]
 };
 
 /// What the optimiser sees. Implementations: rigid bars (here) and elastic bars (linkage_elastic.h).

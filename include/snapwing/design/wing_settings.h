@@ -31,25 +31,26 @@ struct WingBars {
   double thickness = 0.004;         ///< [m] of a bar, across the plane
   double pin_diameter = 0.003;      ///< [m]
   double friction_moment = 2.0e-4;  ///< [N m] at each of the four pins, against the motion
+  double friction_unevenness = 0;   ///< [1] the left wing has (1 + e) times that moment, the right one (1 - e)
 };
 
 /// The blade: a fan of four panels about joint 2 between the leading edge and an anchor bar.
 struct WingBladeSettings {
-  double rod_diameter = 0.008;        ///< [m] leading edge
-  double rod_density = 1600;          ///< [kg/m3] carbon fibre
-  double film_thickness = 0.000127;   ///< [m] 0.005 inch PET
-  double film_density = 1380;         ///< [kg/m3]
-  double rib_width = 0.006;           ///< [m] ribs under the folds beside panels two and three
-  double rib_thickness = 0.003175;    ///< [m] 1/8 inch PETG
-  double rib_density = 1270;          ///< [kg/m3]
-  double folded_span = 0.20;          ///< [rad] angle left between leading edge and anchor in the largest state
-  double slack = 0.02;                ///< [rad] by which the four panels together exceed the widest fan
+  double rod_diameter = 0.008;       ///< [m] leading edge
+  double rod_density = 1600;         ///< [kg/m3] carbon fibre
+  double film_thickness = 0.000127;  ///< [m] 0.005 inch PET
+  double film_density = 1380;        ///< [kg/m3]
+  double rib_width = 0.006;          ///< [m] ribs under the folds beside panels two and three
+  double rib_thickness = 0.003175;   ///< [m] 1/8 inch PETG
+  double rib_density = 1270;         ///< [kg/m3]
+  double folded_span = 0.20;         ///< [rad] angle left between leading edge and anchor in the largest state
+  double slack = 0.02;               ///< [rad] by which the four panels together exceed the widest fan
 };
 
 struct WingSettings {
   std::string name;
-  std::string file;         ///< where it was read from; empty if built in code
-  std::string vehicle_file; ///< absolute path
+  std::string file;          ///< where it was read from; empty if built in code
+  std::string vehicle_file;  ///< absolute path
 
   Eigen::Vector2d auxiliary_joint{0.035, 0.020};
   Eigen::Vector2d rotation_centre{0.055, 0.020};
@@ -59,23 +60,23 @@ struct WingSettings {
   double tip_direction = 0;   ///< [rad] of the tip at rest from rotation_centre; not given in the paper
   std::array<WingTarget, 2> targets{{{0.83, 2.45}, {0.93, 2.46}}};
 
-  double separation = 0.012;           ///< s1 [m] least distance of joints 1 and 2
-  double wall_joint2_x = 0.045;        ///< s2 [m] least x of joint 2 in state 2
-  double wall_joint1_y = 0.060;        ///< s3 [m] largest y of joint 1 in state 2
-  double transmission_margin = 0.25;   ///< [rad] least transmission angle from rest to state 2
-  double min_bar_length = 0.012;       ///< [m] of crank and rocker
+  double separation = 0.012;          ///< s1 [m] least distance of joints 1 and 2
+  double wall_joint2_x = 0.045;       ///< s2 [m] least x of joint 2 in state 2
+  double wall_joint1_y = 0.060;       ///< s3 [m] largest y of joint 1 in state 2
+  double transmission_margin = 0.25;  ///< [rad] least transmission angle from rest to state 2
+  double min_bar_length = 0.012;      ///< [m] of crank and rocker
   WingBox joint1_box{{-0.09, -0.09}, {0.09, 0.09}};
   WingBox joint2_box{{-0.09, -0.09}, {0.12, 0.09}};
 
-  double compliance_weight = 10;     ///< alpha [m2/J]; acts on the elastic rung only
-  double rotation_weight = 0.02;     ///< [m/rad] weight of the wing's own rotation error; 0: the paper's objective
-  double dwell_weight = 0.0;         ///< [m/rad] weight of the wing's motion between the states beyond the wanted one
+  double compliance_weight = 10;  ///< alpha [m2/J]; acts on the elastic rung only
+  double rotation_weight = 0.02;  ///< [m/rad] weight of the wing's own rotation error; 0: the paper's objective
+  double dwell_weight = 0.0;      ///< [m/rad] weight of the wing's motion between the states beyond the wanted one
 
-  int samples = 40000;     ///< random layouts of the global start
-  int starts = 24;         ///< best of them that are optimised
+  int samples = 40000;  ///< random layouts of the global start
+  int starts = 24;      ///< best of them that are optimised
   int seed = 7;
-  int evaluations = 400;   ///< per local run
-  std::string optimizer = "nlopt_mma";  ///< nlopt_mma, nlopt_slsqp or own_mma
+  int evaluations = 400;                  ///< per local run
+  std::string optimizer = "nlopt_slsqp";  ///< nlopt_mma, nlopt_slsqp or own_mma
 
   WingBars bars;
   WingBladeSettings blade;
