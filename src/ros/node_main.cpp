@@ -9,9 +9,9 @@ namespace snapwing::nodes {
 
 int runNode(int argc, char** argv, const std::string& name,
             const std::function<std::shared_ptr<void>(Handles&)>& make) {
+  ros::init(argc, argv, name);
+  Handles handles;  // outlives the catch below: with the last handle the console goes, and the message with it
   try {
-    ros::init(argc, argv, name);
-    Handles handles;
     const std::shared_ptr<void> node = make(handles);
     ros::spin();
     return 0;
