@@ -87,6 +87,7 @@ FleetOutcome Fleet::tryPulse(common::Mode start, const common::Pulse& pulse, con
     for (int i = 0; i < count; ++i) {
       outcome.switched += switched[i];
       ++outcome.tried;
+      outcome.margins.push_back(margins[i]);
       if (margins[i] < outcome.worst) {
         outcome.worst = margins[i];
         outcome.worst_index = first + i;

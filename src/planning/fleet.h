@@ -19,6 +19,7 @@ struct FleetOutcome {
   int worst_index = 0;  ///< who had it
   int switched = 0;     ///< how many ended in the target mode
   int tried = 0;
+  std::vector<double> margins;  ///< of those tried, in order
 };
 
 class Fleet {

@@ -12,7 +12,9 @@ namespace snapwing::planning {
 
 namespace {
 
-constexpr int ROUNDS = 3;  // search, check, learn from what failed
+constexpr int ROUNDS = 5;       // search, check, learn from what failed
+constexpr int LEARNED = 8;      // realisations taken over from a failed check
+constexpr int CANDIDATES = 12;  // pulses of the scan that may be returned to
 
 /// One search: the fleet grows by what the check finds.
 class Search {
@@ -32,8 +34,10 @@ class Search {
     checked_.add(sobolPoints(n, settings.verify_samples, 1 + settings.search_samples));
   }
 
-  /// Coarse scan; its best pulse.
-  common::Pulse scan();
+  /// Coarse scan; keeps its best pulses.
+  void scan();
+  /// Best of the pulses kept, by all realisations known so far.
+  common::Pulse bestCandidate();
   /// NLopt from a pulse.
   common::Pulse refine(const common::Pulse& from);
   /// Effects of single parameters; adds the corners of those that matter most to both fleets.
@@ -41,8 +45,8 @@ class Search {
   std::vector<ParameterInfluence> influences(const common::Pulse& pulse, double* vertex_margin);
   /// Full check with fresh realisations.
   FleetOutcome check(const common::Pulse& pulse);
-  /// Takes what failed the check into the search.
-  void learn(int checked_index) { fleet_.add(checked_.point(checked_index)); }
+  /// Takes the worst of a check into the search.
+  void learn(const common::Pulse& pulse, const FleetOutcome& checked);
 
   /// What is maximised: worst margin, capped where there is enough of it, less the price of the impulse.
   double value(const common::Pulse& pulse, double worst) const {
@@ -60,6 +64,7 @@ class Search {
   const rom::Trial& trial_;
   const std::function<bool()>& cancelled_;
   Fleet fleet_, checked_;
+  std::vector<common::Pulse> candidates_;
   int evaluations_ = 0;
   long predictions_ = 0;
 };
@@ -68,13 +73,13 @@ double gridValue(double low, double high, int index, int count) {
   return count > 1 ? low + (high - low) * index / (count - 1) : low;
 }
 
-common::Pulse Search::scan() {
+void Search::scan() {
   const PlannerSettings& s = settings_;
-  common::Pulse best{s.throttle_max, s.duration_max};
+  std::vector<std::pair<double, common::Pulse>> found;
   double best_value = -INFINITY;
   for (int row = 0; row < s.scan_throttles && !cancelled(); ++row) {
     // A row shares the bound known before it, so that the threads' order does not matter.
-    const double give_up = best_value;
+    const double give_up = std::min(best_value, 0.0);
     std::vector<FleetOutcome> outcomes(s.scan_durations);
     const double throttle = gridValue(s.throttle_max, s.throttle_min, row, s.scan_throttles);
     const auto pulseAt = [&](int j) {
@@ -86,13 +91,40 @@ common::Pulse Search::scan() {
       ++evaluations_;
       predictions_ += outcomes[j].tried;
       const double v = value(pulseAt(j), outcomes[j].worst);
-      if (v > best_value) {
-        best_value = v;
-        best = pulseAt(j);
-      }
+      best_value = std::max(best_value, v);
+      found.emplace_back(v, pulseAt(j));
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  found.resize(std::min<std::size_t>(found.size(), CANDIDATES));
+  for (const auto& [v, pulse] : found) candidates_.push_back(pulse);
+}
+
+common::Pulse Search::bestCandidate() {
+  common::Pulse best{settings_.throttle_max, settings_.duration_max};
+  double best_value = -INFINITY;
+  for (const common::Pulse& pulse : candidates_) {
+    const FleetOutcome outcome = fleet_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
+    ++evaluations_;
+    predictions_ += outcome.tried;
+    const double v = value(pulse, outcome.worst);
+    if (v > best_value) {
+      best_value = v;
+      best = pulse;
     }
   }
   return best;
+}
+
+void Search::learn(const common::Pulse& pulse, const FleetOutcome& checked) {
+  std::vector<int> order(checked.margins.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return checked.margins[a] < checked.margins[b]; });
+  order.resize(std::min<std::size_t>(order.size(), LEARNED));
+  for (const int index : order) {
+    if (checked.margins[index] < settings_.enough_margin) fleet_.add(checked_.point(index));
+  }
+  candidates_.push_back(pulse);
 }
 
 common::Pulse Search::refine(const common::Pulse& from) {
@@ -251,19 +283,24 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
   }
 
   Search search(vehicle_, table_, settings_, start, trial, cancelled);
-  common::Pulse candidate = search.scan(), pulse;
+  search.scan();
+  common::Pulse candidate = search.bestCandidate(), pulse = candidate;
   search.addCorners(candidate);
   FleetOutcome outcome;
   outcome.worst = -INFINITY;
+  int idle_rounds = 0;
   for (int round = 0; round < ROUNDS && !search.cancelled(); ++round) {
-    candidate = search.refine(candidate);
+    candidate = search.refine(search.bestCandidate());
     const FleetOutcome checked = search.check(candidate);
-    if (search.value(candidate, checked.worst) > search.value(pulse, outcome.worst)) {
+    const double gain = search.value(candidate, checked.worst) - search.value(pulse, outcome.worst);
+    if (gain > 0) {
       pulse = candidate;
       outcome = checked;
     }
-    if (checked.worst >= 0.9 * settings_.enough_margin) break;
-    search.learn(checked.worst_index);
+    // Enough, or two rounds that brought nothing.
+    idle_rounds = gain > 0.01 ? 0 : idle_rounds + 1;
+    if (checked.worst >= 0.9 * settings_.enough_margin || idle_rounds == 2) break;
+    search.learn(candidate, checked);
   }
   if (search.cancelled()) return refused(plan, "cancelled");
 

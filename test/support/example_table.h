@@ -1,5 +1,5 @@
 #pragma once
-/// Force table made from the study's curve (test/data/arm_curve_plane_stress.csv): energy by integration, stiffness by
+/// Force table made from the study's curve (test/data/arms/arm_curve_plane_stress.csv): energy by integration, stiffness by
 /// differences, and a stiff smooth continuation to u < 0 that keeps the curve's slope and curvature at u = 0.
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace snapwing::testing {
 
 inline common::ForceTable exampleTable() {
-  const std::string path = SNAPWING_SOURCE_DIR "/test/data/arm_curve_plane_stress.csv";
+  const std::string path = SNAPWING_SOURCE_DIR "/test/data/arms/arm_curve_plane_stress.csv";
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path);
   std::vector<double> u, r, rotation;
