@@ -136,9 +136,14 @@ def link_table(statistics):
         ("restarts of the bridge", statistics.restarts)])
 
 
+def _limit(entry):
+    text = number(entry["limit"], entry["unit"])
+    return "none in reach" if text == NOT_KNOWN else text
+
+
 def accidents(entries):
     """What may flip the mode by accident."""
-    rows = [(entry["name"], entry["mode"], number(entry["limit"], entry["unit"]), number(entry["occurs"], entry["unit"]),
+    rows = [(entry["name"], entry["mode"], _limit(entry), number(entry["occurs"], entry["unit"]),
              NOT_KNOWN if number(entry["occurs"]) == NOT_KNOWN else ("holds" if entry["holds"] else "flips"),
              entry["explanation"]) for entry in entries]
     head = ("accident", "mode", "limit", "met in use", "", "")

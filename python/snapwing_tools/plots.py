@@ -27,7 +27,7 @@ def force_curve(curve):
               (curve["peak_travel"], curve["peak_force"], "peak {:.2f} N at {:.1f} mm", "^", style.INK, (8, 2)),
               (curve["barrier_travel"], 0.0, "barrier {1:.1f} mm", "D", style.PURPLE, (6, 8)),
               (curve["valley_travel"], curve["valley_force"], "valley {:.2f} N at {:.1f} mm", "v", style.INK, (8, -14)),
-              (curve["second_travel"], 0.0, "Q: stable, {1:.1f} mm", "o", style.MODE_Q, (-6, 7))]
+              (curve["second_travel"], 0.0, "Q: stable, {1:.1f} mm", "o", style.MODE_Q, (8, -16))]
     for u, f, text, marker, colour, offset in points:
         if math.isfinite(u) and math.isfinite(f):
             top.plot(u * MM, f, marker, color=colour, ms=8, mec=style.PAPER, mew=0.8, zorder=5)
@@ -120,7 +120,7 @@ def influences(entries, most=8):
         ax.set_yticklabels([entry[0] for entry in shown])
         ax.set_ylim(len(shown) - 0.4, -0.6)
         ax.grid(axis="y", visible=False)
-        ax.set_title(arrow(name) + ("" if same else " (another pulse than the run's)"))
+        ax.set_title(arrow(name) + ("" if same else ", another pulse"))
         ax.set_xlabel("energy margin [barriers]")
     axes[0][-1].legend(loc="lower right", ncol=3, bbox_to_anchor=(1.0, 1.1), borderaxespad=0.0)
     return fig
@@ -185,46 +185,61 @@ def _states(axes, link):
 def travel(run, switch, trajectory=None, seconds=None):
     """Travel, thrust and the frames of one switch: predicted, estimated and true."""
     until = min(switch.until - switch.start, seconds or max(1.5, 3 * switch.duration))
-    fig, (top, low) = style.figure(2, 1, 5.2, sharex=True, gridspec_kw={"height_ratios": [3.2, 1.6]})
+    fig, (top, middle, low) = style.figure(3, 1, 6.8, sharex=True, gridspec_kw={"height_ratios": [3.2, 1.6, 1.4]})
+    span = (switch.start - 0.15, switch.start + until)
     if run.has("mode_state"):
-        rows = analysis.window(run.series["mode_state"], switch.start - 0.15, switch.start + until)
+        rows = analysis.window(run.series["mode_state"], *span)
         t, mean, deviation = ((rows["time"] - switch.start) * MS, rows["travel"] * MM, rows["travel_deviation"] * MM)
         top.fill_between(t, mean - deviation, mean + deviation, color=style.ESTIMATED, alpha=0.22, lw=0)
         top.plot(t, mean, color=style.ESTIMATED, lw=1.3, label="estimated, mean ± deviation")
     if run.has("truth"):
-        rows = analysis.window(run.series["truth"], switch.start - 0.15, switch.start + until)
+        rows = analysis.window(run.series["truth"], *span)
         top.plot((rows["time"] - switch.start) * MS, rows["travel"] * MM, color=style.TRUE, lw=2, label="true")
-        low.plot((rows["time"] - switch.start) * MS, rows["thrust"], color=style.TRUE, label="true thrust")
+        middle.plot((rows["time"] - switch.start) * MS, rows["thrust"], color=style.TRUE, label="true")
     if trajectory is not None:
         inside = trajectory["time_s"] <= until
-        top.plot(trajectory["time_s"][inside] * MS, trajectory["travel_m"][inside] * MM, color=style.PREDICTED,
-                 ls=(0, (5, 2)), label="predicted, nominal")
+        dashes = {"color": style.PREDICTED, "ls": (0, (5, 2))}
+        top.plot(trajectory["time_s"][inside] * MS, trajectory["travel_m"][inside] * MM, label="predicted, nominal",
+                 **dashes)
         if "thrust_N" in trajectory:
-            low.plot(trajectory["time_s"][inside] * MS, trajectory["thrust_N"][inside], color=style.PREDICTED,
-                     ls=(0, (5, 2)), label="predicted thrust")
+            middle.plot(trajectory["time_s"][inside] * MS, trajectory["thrust_N"][inside], label="predicted", **dashes)
     elif switch.plan is not None:
-        _predicted_numbers(top, switch.plan, until)
+        _predicted_numbers(top, switch.plan)
     _levels(top, run)
-    for ax in (top, low):
-        ax.axvspan(0, switch.duration * MS, color=style.COMMANDED, alpha=0.12, lw=0,
-                   label="pulse as commanded" if ax is low else None)
-    if switch.sent is not None and switch.sent.frames:
-        start = (switch.sent.first - switch.start) * MS
-        low.plot([start, start + switch.sent.duration * MS], [0, 0], color=style.COMMANDED, lw=5,
-                 solid_capstyle="butt", label="pulse on the wire")
     top.set_ylabel("travel u [mm]")
     top.set_title("{}: {:.0f} % throttle for {:.0f} ms".format(arrow(switch.name), switch.throttle * 100,
                                                                switch.duration * MS), pad=24)
     top.legend(loc="lower left", ncol=4, bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
-    low.set_ylabel("thrust [N]")
-    low.set_ylim(bottom=-1)
+    middle.set_ylabel("thrust [N]")
+    middle.set_ylim(bottom=-1)
+    if middle.get_legend_handles_labels()[0]:
+        middle.legend(loc="upper right")
+    _pulse_frames(low, run, switch, span)
+    for ax in (top, middle, low):
+        ax.axvspan(0, switch.duration * MS, color=style.COMMANDED, alpha=0.12, lw=0,
+                   label="pulse as commanded" if ax is low else None)
+    low.legend(loc="upper right")
     low.set_xlabel("time after the command [ms]")
     low.set_xlim(-150, until * MS)
-    low.legend(loc="upper right")
     return fig
 
 
-def _predicted_numbers(axes, plan, until):
+def _pulse_frames(axes, run, switch, span):
+    """The throttle channel around a pulse, one dot a frame, and the motor outputs read back."""
+    axes.set_ylabel("frames [us]")
+    axes.set_ylim(930, 2100)
+    if not run.has("link_status"):
+        return
+    rows = analysis.window(run.series["link_status"], *span)
+    time = (rows["time"] - switch.start) * MS
+    axes.step(time, analysis.throttle_sent(rows), where="post", color=style.BLUE, lw=1.1, marker=".", ms=4,
+              label="throttle channel, sent")
+    for index in range(rows["motors"].shape[1]):
+        axes.step(time, rows["motors"][:, index], where="post", color=style.VERMILION, lw=1.0, alpha=0.7,
+                  label="motor outputs, read back" if index == 0 else None)
+
+
+def _predicted_numbers(axes, plan):
     """Only the plan's numbers are known, not its trajectory: mark them."""
     if math.isfinite(plan["nominal_snap_time"]):
         axes.axvline(plan["nominal_snap_time"] * MS, color=style.PREDICTED, ls=":", label="predicted time of snap")
@@ -288,10 +303,12 @@ def link(statistics):
     if top > 0.8 * analysis.LATE_SECONDS * MS:
         ax.axvline(analysis.LATE_SECONDS * MS, color=style.PURPLE, lw=1.2, ls=":", label="limit {:.0f} ms".format(
             analysis.LATE_SECONDS * MS))
+    low, high = ax.get_xlim()
+    ax.set_xlim(max(low, 0.0), high)
     ax.set_xlabel("time between frames [ms]")
     ax.set_ylabel("frames (log scale)")
     ax.set_title("Frame period of the bridge")
-    ax.legend(loc="upper right")
+    ax.legend(loc="lower right", ncol=3, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     return fig
 
 

@@ -16,7 +16,8 @@ _CAPTIONS = {
               "down.",
     "maps": "Each cell is one pulse, checked with the reduced model over the uncertainty of the vehicle file. Ring: "
             "the pulse that was sent.",
-    "influences": "Energy margin of the pulse with one uncertain number at its low or high end and all others nominal.",
+    "influences": "Energy margin of the pulse with one uncertain number at its low or high end and all others nominal. "
+                  "Planned anew for this report; \"another pulse\": it is not the one that the run sent.",
     "travel": "Prediction: the nominal vehicle with the pulse as commanded. Band: the estimator's deviation.",
     "no trajectory": "The predicted trajectory is not available; the plan's numbers are marked instead.",
     "frames": "Every frame of the bridge that was recorded, with what the flight controller reported.",

@@ -36,8 +36,8 @@ def parser():
                       "that are not given; needs --vehicle")
     made.add_argument("--trial", default="", metavar="OPTIONS", help="options that the run's trial needs in "
                       "'snapwing plan' and 'snapwing predict', as one text, e.g. --trial='--mount boom'")
-    made.add_argument("--map-size", type=int, default=25, metavar="N", help="pulses along each side of a map that "
-                      "--snapwing computes, 2 .. 200 [25]")
+    made.add_argument("--map-size", type=int, default=21, metavar="N", help="pulses along each side of a map that "
+                      "--snapwing computes, 2 .. 200 [21]")
     made.add_argument("--figures", metavar="FOLDER", help="also save each figure as PNG")
     made.add_argument("--require-success", action="store_true", help="exit with 1 unless both switches happened")
     return made
