@@ -149,8 +149,7 @@ bool NeoHookean<D>::evaluate(const Matrix<D>& f, double density, Order order, Re
 }
 
 template <int D>
-bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, double density, double& d_energy,
-                                      Matrix<D>& d_stress) const {
+bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const {
   const DensityInterpolation::Value m = interpolation_.at(density);
   const Matrix<D> h = f - Matrix<D>::Identity();
   Response<D> r;

@@ -80,8 +80,8 @@ void addFull(const elasticity::FullTangent<D>& t, double w, const double* g, dou
 
 template <int D>
 template <int S>
-typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int number, const Eigen::VectorXd& u, Order order,
-                                                                       Scratch& scratch) const {
+typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int number, const Eigen::VectorXd& u,
+                                                                       Order order, Scratch& scratch) const {
   const Cell& cell = cells_[number];
   const int* nodes = cellNodes(number);
   Eigen::Matrix<double, D, S> moved;

@@ -35,7 +35,8 @@ std::vector<Entry> readEntries(const std::string& path) {
     fields >> e.i >> comma1 >> e.j >> comma2 >> e.density;
     if (fields.fail() || comma1 != ',' || comma2 != ',' || e.i < 0 || e.j < 0 || e.i > 100000 || e.j > 100000 ||
         !(e.density >= 0 && e.density <= 1)) {
-      throw common::FileError(path, "line " + std::to_string(number) + " is '" + line + "'; wanted i,j,rho with rho in 0..1");
+      throw common::FileError(path,
+                              "line " + std::to_string(number) + " is '" + line + "'; wanted i,j,rho with rho in 0..1");
     }
     entries.push_back(e);
   }
@@ -76,7 +77,8 @@ DensityField DensityField::resampled(double new_cell_size) const {
     const double count = cells[a] * cell_size / new_cell_size;
     result.cells[a] = static_cast<int>(std::lround(count));
     if (result.cells[a] < 1 || std::abs(count - result.cells[a]) > 1e-6 * count) {
-      throw common::Error("cell size " + std::to_string(new_cell_size) + " m does not divide the domain; allowed: its extent over a whole number");
+      throw common::Error("cell size " + std::to_string(new_cell_size) +
+                          " m does not divide the domain; allowed: its extent over a whole number");
     }
   }
   const double ratio = new_cell_size / cell_size;
@@ -117,7 +119,8 @@ std::vector<std::vector<std::array<double, 2>>> outline(const DensityField& fiel
   for (int j = -1; j < field.cells[1]; ++j) {
     for (int i = -1; i < field.cells[0]; ++i) {
       // Corners and edges counter-clockwise; material is kept on the left.
-      const bool in[4] = {value(i, j) >= level, value(i + 1, j) >= level, value(i + 1, j + 1) >= level, value(i, j + 1) >= level};
+      const bool in[4] = {value(i, j) >= level, value(i + 1, j) >= level, value(i + 1, j + 1) >= level,
+                          value(i, j + 1) >= level};
       const Edge edges[4] = {{i, j, 0}, {i + 1, j, 1}, {i, j + 1, 0}, {i, j, 1}};
       for (int k = 0; k < 4; ++k) {
         if (!(in[k] && !in[(k + 1) % 4])) continue;  // the boundary enters the square here ...

@@ -140,16 +140,24 @@ template <int D>
 QuadratureRule<D> gaussRule(const Grid<D>& grid, int points) {
   std::vector<double> x, w;
   switch (points) {
-    case 1: x = {0}, w = {2}; break;
-    case 2: x = {-std::sqrt(1.0 / 3), std::sqrt(1.0 / 3)}, w = {1, 1}; break;
-    case 3: x = {-std::sqrt(0.6), 0, std::sqrt(0.6)}, w = {5.0 / 9, 8.0 / 9, 5.0 / 9}; break;
+    case 1:
+      x = {0}, w = {2};
+      break;
+    case 2:
+      x = {-std::sqrt(1.0 / 3), std::sqrt(1.0 / 3)}, w = {1, 1};
+      break;
+    case 3:
+      x = {-std::sqrt(0.6), 0, std::sqrt(0.6)}, w = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+      break;
     case 4: {
-      const double near = std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(1.2)), far = std::sqrt(3.0 / 7 + 2.0 / 7 * std::sqrt(1.2));
+      const double near = std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(1.2)),
+                   far = std::sqrt(3.0 / 7 + 2.0 / 7 * std::sqrt(1.2));
       const double heavy = (18 + std::sqrt(30.0)) / 36, light = (18 - std::sqrt(30.0)) / 36;
       x = {-far, -near, near, far}, w = {light, heavy, heavy, light};
       break;
     }
-    default: throw common::Error("particles per axis is " + std::to_string(points) + "; allowed: 1 .. 4");
+    default:
+      throw common::Error("particles per axis is " + std::to_string(points) + "; allowed: 1 .. 4");
   }
   int count = 1;
   for (int a = 0; a < D; ++a) count *= points;

@@ -20,8 +20,8 @@ std::shared_ptr<const mpm::Discretisation<2>> makeSolid(const common::ArmSetting
   mpm::Grid<2> grid;
   grid.cell_size = field.cell_size;
   grid.cells = field.cells;
-  const int model = solid->addModel(
-      std::make_shared<elasticity::NeoHookean<2>>(material, settings.interpolation, settings.plane));
+  const int model =
+      solid->addModel(std::make_shared<elasticity::NeoHookean<2>>(material, settings.interpolation, settings.plane));
   const int rule = solid->addRule(mpm::gaussRule<2>(grid, 2));
   const int kind = solid->addKind({{rule, model}});
   solid->addBody(grid);
@@ -46,7 +46,8 @@ std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::D
     equations.push_back({{{2 * node, 1.0}}, {}, 0, "housing"});
     equations.push_back({{{2 * node + 1, 1.0}}, {{0, -1.0}}, 0, "housing"});
   }
-  if (equations.empty()) throw common::Error("arm: no cell of the design meets the housing (clamp_y_low .. clamp_y_high)");
+  if (equations.empty())
+    throw common::Error("arm: no cell of the design meets the housing (clamp_y_low .. clamp_y_high)");
   const auto pin = solid.interpolate(0, Vector<2>(arm.pin_x, arm.pin_y));
   if (pin.empty()) throw common::Error("arm: the pin lies outside of the design (pin_x, pin_y)");
   for (int axis = 0; axis < 2; ++axis) {
@@ -63,7 +64,8 @@ std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::D
 ArmProblem::ArmProblem(const common::ArmSettings& arm, const elasticity::Material& material,
                        const mpm::DensityField& design, const ArmProblemSettings& settings)
     : arm_(arm) {
-  const bool same = settings.cell_size <= 0 || std::abs(settings.cell_size - design.cell_size) < 1e-9 * design.cell_size;
+  const bool same =
+      settings.cell_size <= 0 || std::abs(settings.cell_size - design.cell_size) < 1e-9 * design.cell_size;
   field_ = same ? design : design.resampled(settings.cell_size);
   const auto solid = makeSolid(arm, material, field_, settings);
   Reduction reduction(solid->dofCount(), 1, makeEquations(arm, *solid));

@@ -11,19 +11,27 @@ namespace snapwing::statics {
 
 std::string statusName(SolveStatus status) {
   switch (status) {
-    case SolveStatus::NOT_SOLVED: return "not solved";
-    case SolveStatus::CONVERGED: return "converged";
-    case SolveStatus::ITERATION_LIMIT: return "iteration limit";
-    case SolveStatus::INVERTED_START: return "first guess turns material inside out";
-    case SolveStatus::LINE_SEARCH_FAILED: return "line search failed";
-    case SolveStatus::SINGULAR: return "singular";
-    case SolveStatus::CANCELLED: return "cancelled";
+    case SolveStatus::NOT_SOLVED:
+      return "not solved";
+    case SolveStatus::CONVERGED:
+      return "converged";
+    case SolveStatus::ITERATION_LIMIT:
+      return "iteration limit";
+    case SolveStatus::INVERTED_START:
+      return "first guess turns material inside out";
+    case SolveStatus::LINE_SEARCH_FAILED:
+      return "line search failed";
+    case SolveStatus::SINGULAR:
+      return "singular";
+    case SolveStatus::CANCELLED:
+      return "cancelled";
   }
   return "unknown";
 }
 
 void NewtonSettings::validate() const {
-  if (max_iterations < 1) throw common::Error("max_iterations is " + std::to_string(max_iterations) + "; allowed: >= 1");
+  if (max_iterations < 1)
+    throw common::Error("max_iterations is " + std::to_string(max_iterations) + "; allowed: >= 1");
   if (!(relative_tolerance > 0 && relative_tolerance <= 1e-2)) {
     throw common::Error("relative_tolerance is " + std::to_string(relative_tolerance) + "; allowed: (0, 0.01]");
   }
@@ -113,7 +121,8 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
     if (iteration == settings_.max_iterations) break;
     if (settings_.cancelled && settings_.cancelled()) return finish(SolveStatus::CANCELLED, "cancelled");
     if (!direction(z, p, at, d, result)) {
-      return finish(SolveStatus::SINGULAR, "the Hessian has no Cholesky factor even when projected: is every body supported?");
+      return finish(SolveStatus::SINGULAR,
+                    "the Hessian has no Cholesky factor even when projected: is every body supported?");
     }
     if (!lineSearch(p, d, z, at)) {
       std::ostringstream text;

@@ -8,7 +8,11 @@ namespace snapwing::statics {
 template <int D>
 SolidProblem<D>::SolidProblem(std::shared_ptr<const mpm::Discretisation<D>> solid, Reduction reduction,
                               Eigen::MatrixXd loads, int threads, double floor)
-    : solid_(std::move(solid)), reduction_(std::move(reduction)), loads_(std::move(loads)), threads_(threads), floor_(floor) {
+    : solid_(std::move(solid)),
+      reduction_(std::move(reduction)),
+      loads_(std::move(loads)),
+      threads_(threads),
+      floor_(floor) {
   buildPattern();
 }
 

@@ -74,7 +74,8 @@ class Elimination {
       }
     }
     if (std::abs(rest.constant) > 1e-12) {
-      throw common::Error("'" + equation.name + "' contradicts another support by " + std::to_string(rest.constant) + " m");
+      throw common::Error("'" + equation.name + "' contradicts another support by " + std::to_string(rest.constant) +
+                          " m");
     }
   }
 
@@ -106,7 +107,8 @@ class Elimination {
 
 }  // namespace
 
-Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equations) : dofs_(dofs), controls_(controls) {
+Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equations)
+    : dofs_(dofs), controls_(controls) {
   Elimination elimination;
   for (const Equation& equation : equations) {
     if (!elimination.add(equation)) redundant_.push_back(equation.name);

@@ -41,7 +41,8 @@ struct Cholesky::Impl {
   cholmod_factor* analyse(int supernodal) {
     common.supernodal = supernodal;
     cholmod_factor* result = cholmod_analyze(&matrix, &common);
-    if (result == nullptr) throw common::Error("sparse analysis failed (CHOLMOD status " + std::to_string(common.status) + ")");
+    if (result == nullptr)
+      throw common::Error("sparse analysis failed (CHOLMOD status " + std::to_string(common.status) + ")");
     return result;
   }
   void setValues(const std::vector<double>& values) { matrix.x = const_cast<double*>(values.data()); }
@@ -122,9 +123,7 @@ int Cholesky::factorizeIndefinite(const std::vector<double>& values) {
   return negative;
 }
 
-Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right) const {
-  return solve(Eigen::MatrixXd(right)).col(0);
-}
+Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right) const { return solve(Eigen::MatrixXd(right)).col(0); }
 
 Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
   if (impl_->pattern.size == 0) return right;

@@ -44,10 +44,22 @@ bool showProgress(const CurveOptions& options, double share, double travel) {
   return interrupted != 0;
 }
 
+std::string armInputs(const common::Vehicle& vehicle) {
+  const common::ArmSettings& a = vehicle.arm;
+  std::ostringstream text;
+  text.precision(17);
+  for (const double value :
+       {a.domain_length, a.domain_height, a.leg_width, a.bar_height, a.leg_thickness, a.bar_thickness, a.pin_x, a.pin_y,
+        a.clamp_y_low, a.clamp_y_high, vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value}) {
+    text << value << ";";
+  }
+  return text.str();
+}
+
 void describe(const CurveOptions& options, const common::Vehicle& vehicle, const statics::ArmProblem& arm,
               common::ForceTable& table) {
   table.arm_count = vehicle.arm.count;
-  // The hash covers what the curve depends on: vehicle file and density. Options are stated one by one.
+  // The hash covers what the curve depends on in the vehicle file, and the design: other settings may change freely.
   const std::string density = common::readFile(vehicle.arm.density_file);
   auto& p = table.provenance;
   p["rung"] = "planar";
@@ -61,7 +73,7 @@ void describe(const CurveOptions& options, const common::Vehicle& vehicle, const
   p["poisson_ratio"] = toText(vehicle.material.poisson_ratio.value);
   p["vehicle_sha256"] = vehicle.sha256;
   p["density_sha256"] = common::sha256(density);
-  p["inputs_sha256"] = common::sha256(common::readFile(options.input) + density);
+  p["inputs_sha256"] = common::sha256(armInputs(vehicle) + density);
   p["snapwing_version"] = common::version();
   p["command"] = "snapwing curve, plane " + options.plane + ", from " + toText(table.travel.front()) + " m to " +
                  toText(table.travel.back()) + " m";
@@ -94,7 +106,8 @@ nlohmann::json summarise(const statics::ArmCurve& curve) {
     j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
     j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
     j["zeros_m"] = {0.0, orNull(f.barrier_travel), orNull(f.second_travel)};
-    j["equilibria"] = {{"first_m", 0.0}, {"barrier_m", orNull(f.barrier_travel)}, {"second_m", orNull(f.second_travel)}};
+    j["equilibria"] = {
+        {"first_m", 0.0}, {"barrier_m", orNull(f.barrier_travel)}, {"second_m", orNull(f.second_travel)}};
     j["barrier_forward_J"] = orNull(f.barrier_forward);
     j["barrier_back_J"] = orNull(f.barrier_back);
     j["hysteresis_N"] = orNull(f.hysteresis);
@@ -145,7 +158,8 @@ int runCurve(const CurveOptions& options) {
   const nlohmann::json summary = summarise(curve);
   if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
   if (curve.status != statics::SolveStatus::CONVERGED) {
-    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", statics::statusName(curve.status).c_str(), curve.message.c_str());
+    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", statics::statusName(curve.status).c_str(),
+                 curve.message.c_str());
     if (!options.csv.empty() && !curve.table.travel.empty()) writeCsv(options.csv, curve.table);
     return 1;
   }

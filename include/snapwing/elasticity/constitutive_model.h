@@ -33,12 +33,12 @@ struct CompactTangent {
 /// Quantities per reference volume. Only what the asked order covers is filled.
 template <int D>
 struct Response {
-  double energy = 0;                           ///< W [J/m3]
-  Matrix<D> stress = Matrix<D>::Zero();        ///< P = dW/dF [Pa]
-  bool compact = true;                         ///< tangent in `tangent`, else in `full`
-  CompactTangent<D> tangent;                   ///< [Pa]
+  double energy = 0;                             ///< W [J/m3]
+  Matrix<D> stress = Matrix<D>::Zero();          ///< P = dW/dF [Pa]
+  bool compact = true;                           ///< tangent in `tangent`, else in `full`
+  CompactTangent<D> tangent;                     ///< [Pa]
   FullTangent<D> full = FullTangent<D>::Zero();  ///< [Pa], symmetric
-  double det_f = 1;                            ///< det of the deformation gradient that the law sees
+  double det_f = 1;                              ///< det of the deformation gradient that the law sees
 };
 
 /// A law W(F, density). Thread-safe: const and without state.

@@ -46,9 +46,9 @@ class NeoHookean : public ConstitutiveModel<D> {
 
   DensityInterpolation interpolation_;
   bool plane_stress_;
-  double mu_, lambda_;                ///< moduli of the chosen part
-  double log_mu_;                     ///< factor of -ln J
-  double linear_lambda_;              ///< of the linear law at small strain
+  double mu_, lambda_;    ///< moduli of the chosen part
+  double log_mu_;         ///< factor of -ln J
+  double linear_lambda_;  ///< of the linear law at small strain
 };
 
 }  // namespace snapwing::elasticity

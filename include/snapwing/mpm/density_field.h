@@ -9,9 +9,9 @@ namespace snapwing::mpm {
 
 /// Cells outside of the design domain are absent (negative).
 struct DensityField {
-  double cell_size = 0;            ///< [m]
-  std::array<int, 2> cells{};      ///< along x, y; lower corner at the origin
-  std::vector<double> value;       ///< rho in [0, 1], x fastest; -1 where there is no cell
+  double cell_size = 0;        ///< [m]
+  std::array<int, 2> cells{};  ///< along x, y; lower corner at the origin
+  std::vector<double> value;   ///< rho in [0, 1], x fastest; -1 where there is no cell
 
   double at(int i, int j) const { return value[static_cast<std::size_t>(j) * cells[0] + i]; }
   bool present(int i, int j) const { return i >= 0 && j >= 0 && i < cells[0] && j < cells[1] && at(i, j) >= 0; }

@@ -31,13 +31,13 @@ struct Cell {
 
 /// Values of one evaluation. Energy and gradient and blocks are only valid as far as the order asked for.
 struct Assembly {
-  double energy = 0;                                         ///< [J]
-  Eigen::VectorXd gradient;                                  ///< dE/du [N], D per node
-  std::vector<double> blocks;                                ///< d2E/du2 [N/m] in the order of the pattern
-  double force_scale = 0;                                    ///< [N] 2-norm of the cells' nodal forces before they cancel
+  double energy = 0;           ///< [J]
+  Eigen::VectorXd gradient;    ///< dE/du [N], D per node
+  std::vector<double> blocks;  ///< d2E/du2 [N/m] in the order of the pattern
+  double force_scale = 0;      ///< [N] 2-norm of the cells' nodal forces before they cancel
   double min_det_f = std::numeric_limits<double>::infinity();  ///< over all particles
   int min_det_f_cell = -1;
-  bool finite = false;                                       ///< false: some particle is turned inside out, or NaN
+  bool finite = false;  ///< false: some particle is turned inside out, or NaN
 };
 
 template <int D>

@@ -1,8 +1,8 @@
 #pragma once
 /// Newton's method on the potential of a problem, with the exact tangent, projection on demand and a line search.
 ///
-/// Converged: |r| <= max(relative_tolerance * force_scale, forceFloor()). A step d solves H d = -r with the exact H; only
-/// if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps are shortened
+/// Converged: |r| <= max(relative_tolerance * force_scale, forceFloor()). A step d solves H d = -r with the exact H;
+/// only if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps are shortened
 /// until the potential falls (Armijo) and no particle is turned inside out.
 
 #include <functional>
@@ -40,10 +40,10 @@ struct NewtonSettings {
 
 struct NewtonResult {
   SolveStatus status = SolveStatus::NOT_SOLVED;
-  std::string message;     ///< what failed and where
-  int iterations = 0;      ///< linear systems solved
-  int factorizations = 0;  ///< tries of Cholesky, failed ones too
-  int projections = 0;     ///< iterations that needed the projected Hessian
+  std::string message;                                         ///< what failed and where
+  int iterations = 0;                                          ///< linear systems solved
+  int factorizations = 0;                                      ///< tries of Cholesky, failed ones too
+  int projections = 0;                                         ///< iterations that needed the projected Hessian
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< |r| [N]
   bool converged() const { return status == SolveStatus::CONVERGED; }
 };

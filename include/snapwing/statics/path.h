@@ -18,15 +18,15 @@ struct PathSettings {
 };
 
 struct PathPoint {
-  double control = 0;         ///< [m] (or load factor)
-  double energy = 0;          ///< elastic energy [J]
-  double force = 0;           ///< dPi/dp [N]: what holds the control
-  double stiffness = 0;       ///< d2Pi/dp2 along the path [N/m]
-  bool stable = false;        ///< the Hessian of the free coordinates has a Cholesky factor
-  int negative_pivots = 0;    ///< of the free Hessian; -1 unknown
+  double control = 0;       ///< [m] (or load factor)
+  double energy = 0;        ///< elastic energy [J]
+  double force = 0;         ///< dPi/dp [N]: what holds the control
+  double stiffness = 0;     ///< d2Pi/dp2 along the path [N/m]
+  bool stable = false;      ///< the Hessian of the free coordinates has a Cholesky factor
+  int negative_pivots = 0;  ///< of the free Hessian; -1 unknown
   double min_det_f = 1;
-  int iterations = 0;         ///< with those of intermediate steps
-  Eigen::VectorXd solution;   ///< z
+  int iterations = 0;        ///< with those of intermediate steps
+  Eigen::VectorXd solution;  ///< z
 };
 
 struct PathResult {

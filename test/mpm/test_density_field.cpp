@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/mpm/density_field.h"
+
+namespace snapwing::mpm {
+namespace {
+
+std::string writeFile(const std::string& name, const std::string& text) {
+  const std::string path = ::testing::TempDir() + name;
+  std::ofstream(path) << text;
+  return path;
+}
+
+double area(const std::vector<std::array<double, 2>>& loop) {
+  double sum = 0;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const auto &a = loop[k], &b = loop[(k + 1) % loop.size()];
+    sum += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+  }
+  return sum;
+}
+
+TEST(DensityField, ReadsTheShippedDesign) {
+  const DensityField f =
+      loadDensityCsv(std::string(SNAPWING_SOURCE_DIR) + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
+  EXPECT_NEAR(f.cell_size, 1e-3, 1e-12);
+  EXPECT_TRUE(f.present(79, 19));
+  EXPECT_FALSE(f.present(20, 20));
+  EXPECT_FALSE(f.present(-1, 0));
+  double sum = 0;
+  for (const double v : f.value) sum += std::max(0.0, v);
+  // Coarser cells keep the amount of material.
+  double coarse_sum = 0;
+  const DensityField coarse = f.resampled(2e-3);
+  for (const double v : coarse.value) coarse_sum += 4 * std::max(0.0, v);
+  EXPECT_NEAR(sum, coarse_sum, 1e-9 * sum);
+  EXPECT_THROW(f.resampled(0.7e-3), common::Error);
+}
+
+TEST(DensityField, OutlineOfADiscHasItsArea) {
+  DensityField f;
+  f.cell_size = 1;
+  f.cells = {40, 40};
+  for (int j = 0; j < 40; ++j) {
+    for (int i = 0; i < 40; ++i) {
+      const double r = std::hypot(i + 0.5 - 20, j + 0.5 - 20);
+      f.value.push_back(std::min(1.0, std::max(0.0, 0.5 + 12 - r)) * std::min(1.0, std::max(0.0, 0.5 + r - 6)));
+    }
+  }
+  const auto loops = outline(f, 0.5);
+  ASSERT_EQ(loops.size(), 2u);
+  const double total = area(loops[0]) + area(loops[1]);  // outer counter-clockwise, inner clockwise
+  EXPECT_NEAR(total, M_PI * (144 - 36), 0.01 * M_PI * 108);
+}
+
+TEST(DensityField, OutlineOfAFullDomainLiesOnItsFaces) {
+  DensityField f;
+  f.cell_size = 0.5;
+  f.cells = {4, 2};
+  f.value.assign(8, 1.0);
+  const auto loops = outline(f, 0.5);
+  ASSERT_EQ(loops.size(), 1u);
+  EXPECT_NEAR(area(loops[0]), 2.0, 0.3);  // corners are cut by half a cell
+  for (const auto& p : loops[0]) {
+    EXPECT_TRUE(std::abs(p[0]) < 1e-12 || std::abs(p[0] - 2) < 1e-12 || std::abs(p[1]) < 1e-12 ||
+                std::abs(p[1] - 1) < 1e-12);
+  }
+}
+
+TEST(DensityField, RefusesBadFiles) {
+  EXPECT_THROW(loadDensityCsv("no such file", 1, 1), common::FileError);
+  EXPECT_THROW(loadDensityCsv(writeFile("a.csv", "x,y\n"), 1, 1), common::FileError);
+  EXPECT_THROW(loadDensityCsv(writeFile("b.csv", "i,j,rho\n0,0,1.5\n"), 1, 1), common::FileError);
+  EXPECT_THROW(loadDensityCsv(writeFile("c.csv", "i,j,rho\n0,0,1\n0,0,1\n"), 1, 1), common::FileError);
+  EXPECT_THROW(loadDensityCsv(writeFile("d.csv", "i,j,rho\n0,0,1\n1,0,1\n"), 1, 1), common::FileError);
+  EXPECT_THROW(loadDensityCsv(writeFile("e.csv", "i,j,rho\n0,zero,1\n"), 1, 1), common::FileError);
+  EXPECT_NO_THROW(loadDensityCsv(writeFile("f.csv", "# c\ni,j,rho\n0,0,1\n1,0,0.5\n"), 2, 1));
+}
+
+}  // namespace
+}  // namespace snapwing::mpm

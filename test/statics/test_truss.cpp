@@ -1,0 +1,118 @@
+// The two-bar (von Mises) truss: limit loads, stability and path following against closed forms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "snapwing/statics/path.h"
+
+namespace snapwing::statics {
+namespace {
+
+/// Half span 1, rise b, bars EA = 1 with Green strain (pi = 1/2 EA L0 e^2 each), apex driven down by p through a
+/// spring of stiffness k whose apex end is free: z = apex displacement. Pi = E(z) + k/2 (p - z)^2.
+class Truss : public Problem {
+ public:
+  Truss(double rise, double spring) : rise_(rise), spring_(spring) {
+    pattern_.size = 1;
+    pattern_.start = {0, 1};
+    pattern_.row = {0};
+  }
+  int freeCount() const override { return 1; }
+  int controlCount() const override { return 1; }
+  const SparsePattern& pattern() const override { return pattern_; }
+  double forceFloor() const override { return 1e-16; }
+  std::string describeCell(int) const override { return "bar"; }
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const override {
+    const double length = std::sqrt(1 + rise_ * rise_), y = rise_ - z(0);
+    const double strain = (y * y - rise_ * rise_) / (2 * length * length);
+    const double slope = -y / (length * length), curvature = 1 / (length * length);
+    const double gap = p(0) - z(0);
+    out.elastic_energy = length * strain * strain;
+    out.energy = out.elastic_energy + 0.5 * spring_ * gap * gap;
+    out.residual = Eigen::VectorXd::Constant(1, 2 * length * strain * slope - spring_ * gap);
+    out.control_force = Eigen::VectorXd::Constant(1, spring_ * gap);
+    const double geometric = order == Order::PROJECTED ? std::max(0.0, strain) : strain;
+    out.hessian = {2 * length * (slope * slope + geometric * curvature) + spring_};
+    out.force_scale = 1e-3;
+    out.finite = true;
+  }
+  void controlTangent(const Evaluation&, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
+                      Eigen::VectorXd& control_part) const override {
+    free_part = -spring_ * dp;
+    control_part = spring_ * dp;
+  }
+  double apexForce(double w) const {  // 2 bars, load down
+    const double length = std::sqrt(1 + rise_ * rise_), y = rise_ - w;
+    return 2 * length * ((y * y - rise_ * rise_) / (2 * length * length)) * (-y / (length * length));
+  }
+
+ private:
+  double rise_, spring_;
+  SparsePattern pattern_;
+};
+
+TEST(Truss, LimitLoadIsTheClosedForm) {
+  // P/EA at w, Green strain, from the closed form P = w (b - w)(2b - w) / L0^3.
+  const struct {
+    double rise, load, apex;
+  } rows[] = {{.10, 3.791980e-4, .042264973}, {.25, 5.4912944e-3, .10566243}, {1.0, .1360827635, .42264973}};
+  for (const auto& row : rows) {
+    const Truss truss(row.rise, 100);
+    std::vector<double> targets;
+    for (int k = 0; k <= 400; ++k) targets.push_back(2.2 * row.rise * k / 400);
+    const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
+    ASSERT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
+    double peak = 0, apex = 0, valley = 0;
+    for (const PathPoint& p : path.points) {
+      EXPECT_TRUE(p.stable);
+      EXPECT_NEAR(p.force, truss.apexForce(p.solution(0)), 1e-11);
+      if (p.solution(0) < row.rise && p.force > peak) peak = p.force, apex = p.solution(0);
+      valley = std::min(valley, p.force);
+    }
+    EXPECT_NEAR(peak, row.load, 1e-4 * row.load);
+    EXPECT_NEAR(apex, row.apex, 0.01 * row.rise);
+    EXPECT_NEAR(valley, -row.load, 1e-4 * row.load);  // point symmetric about the flat state
+  }
+}
+
+TEST(Truss, StiffnessIsTheSlopeOfTheForce) {
+  const Truss truss(0.25, 1.0);
+  std::vector<double> targets;
+  for (int k = 0; k <= 2000; ++k) targets.push_back(0.6 * k / 2000);
+  const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
+  ASSERT_EQ(path.status, SolveStatus::CONVERGED);
+  for (std::size_t k = 1; k + 1 < path.points.size(); ++k) {
+    const double slope = (path.points[k + 1].force - path.points[k - 1].force) / (targets[k + 1] - targets[k - 1]);
+    EXPECT_NEAR(path.points[k].stiffness, slope, 2e-6);
+  }
+}
+
+/// A soft driving spring snaps through: displacement control of its end cannot follow the branch, and must land on a
+/// true, stable equilibrium of the far branch without any unstable point on the way.
+TEST(Truss, SoftSpringSnapsToAStableState) {
+  const Truss truss(0.25, 1e-2);
+  std::vector<double> targets;
+  for (int k = 0; k <= 300; ++k) targets.push_back(1.5 * k / 300);
+  const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
+  ASSERT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
+  double largest_jump = 0;
+  for (std::size_t k = 1; k < path.points.size(); ++k) {
+    EXPECT_TRUE(path.points[k].stable);
+    EXPECT_NEAR(path.points[k].force, truss.apexForce(path.points[k].solution(0)), 1e-8);
+    largest_jump = std::max(largest_jump, path.points[k].solution(0) - path.points[k - 1].solution(0));
+  }
+  EXPECT_GT(largest_jump, 0.3);
+}
+
+TEST(Truss, CancelStopsWithItsStatus) {
+  const Truss truss(0.25, 100);
+  PathSettings settings;
+  settings.progress = [](int point) { return point == 3; };
+  const PathResult path = PathFollower(truss, settings).follow(Eigen::VectorXd::Zero(1), {0, .1, .2, .3, .4, .5});
+  EXPECT_EQ(path.status, SolveStatus::CANCELLED);
+  EXPECT_EQ(path.points.size(), 4u);
+}
+
+}  // namespace
+}  // namespace snapwing::statics
