@@ -255,7 +255,8 @@ void BridgeCore::watchController(double now) {
   if (!controller_was_armed_ && now - armed_since_ > settings_.arm_timeout) {
     return latch(Fault::CONTROLLER_NOT_ARMING, controller.arming_flags);
   }
-  const bool settled = status_.commanded_throttle <= 0.0 && controller.motor_time > low_since_ + settings_.motor_check_delay;
+  const bool settled =
+      status_.commanded_throttle <= 0.0 && controller.motor_time > low_since_ + settings_.motor_check_delay;
   if (settled && controller.motor_max > settings_.motor_idle_limit) {
     latch(Fault::MOTORS_DISAGREE, controller.motor_max);
   }

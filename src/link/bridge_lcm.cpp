@@ -33,7 +33,8 @@ struct BridgeLcm::Lcm {
     Wire wire;
     Inbound item;
     item.kind = kind;
-    const bool good = owner_.sealer_.unwrap(channel, buffer->data, buffer->data_size, wire) && fromLcm(wire, item.*member);
+    const bool good =
+        owner_.sealer_.unwrap(channel, buffer->data, buffer->data_size, wire) && fromLcm(wire, item.*member);
     const std::size_t keep_free = kind == Inbound::Kind::ABORT ? 0 : KEPT_FOR_ABORT;
     if (!good || !owner_.inbox_.push(item, keep_free)) owner_.rejected_.fetch_add(1, std::memory_order_relaxed);
   }

@@ -8,10 +8,10 @@ namespace snapwing::link {
 namespace {
 
 constexpr std::array<const char*, 26> ARMING_FLAGS = {
-    "NOGYRO",    "FAILSAFE",   "RXLOSS",   "NOT_DISARMED", "BOXFAILSAFE", "RUNAWAY",      "CRASH",
-    "THROTTLE",  "ANGLE",      "BOOTGRACE", "NOPREARM",    "LOAD",        "CALIB",        "CLI",
-    "CMS",       "BST",        "MSP",      "PARALYZE",     "GPS",         "RESCUE_SW",    "DSHOT_TELEM",
-    "REBOOT_REQD", "DSHOT_BBANG", "NO_ACC_CAL", "MOTOR_PROTO", "ARMSWITCH"};
+    "NOGYRO",      "FAILSAFE",    "RXLOSS",     "NOT_DISARMED", "BOXFAILSAFE", "RUNAWAY",   "CRASH",
+    "THROTTLE",    "ANGLE",       "BOOTGRACE",  "NOPREARM",     "LOAD",        "CALIB",     "CLI",
+    "CMS",         "BST",         "MSP",        "PARALYZE",     "GPS",         "RESCUE_SW", "DSHOT_TELEM",
+    "REBOOT_REQD", "DSHOT_BBANG", "NO_ACC_CAL", "MOTOR_PROTO",  "ARMSWITCH"};
 
 std::string milliseconds(std::int64_t microseconds) { return std::to_string(microseconds / 1000) + " ms"; }
 

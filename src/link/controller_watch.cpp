@@ -38,8 +38,8 @@ const char* checkName(Check check) {
 ControllerWatch::ControllerWatch(MspVersion version, const std::set<std::string>& allowed) : version_(version) {
   for (const std::string& name : allowed) {
     bool known = false;
-    for (const Check check : {Check::CONTROLLER, Check::API_VERSION, Check::RX_MAP, Check::FAILSAFE_DELAY,
-                              Check::FAILSAFE_PROCEDURE}) {
+    for (const Check check :
+         {Check::CONTROLLER, Check::API_VERSION, Check::RX_MAP, Check::FAILSAFE_DELAY, Check::FAILSAFE_PROCEDURE}) {
       if (name != checkName(check)) continue;
       allowed_mask_ |= 1U << static_cast<int>(check);
       known = true;

@@ -26,7 +26,8 @@ WireFrame encodeCrsf(const Channels& channels) {
   Ticks ticks;
   ticks.fill(CENTRE_TICK);
   const int count = std::clamp(channels.count, 0, MAX_CHANNELS);
-  for (int i = 0; i < count; ++i) ticks[static_cast<std::size_t>(i)] = crsfTick(channels.us[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < count; ++i)
+    ticks[static_cast<std::size_t>(i)] = crsfTick(channels.us[static_cast<std::size_t>(i)]);
   WireFrame frame;
   frame.size = CRSF_FRAME_SIZE;
   frame.bytes[0] = ADDRESS;

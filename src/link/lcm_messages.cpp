@@ -98,7 +98,8 @@ bool fromLcm(const snapwing_lcm::link_status_t& in, BridgeStatus& out) {
   out.pulse_id = in.pulse_id;
   out.commanded_throttle = in.commanded_throttle;
   out.channels.count = in.channel_count;
-  for (std::size_t i = 0; i < out.channels.us.size(); ++i) out.channels.us[i] = static_cast<std::uint16_t>(in.channels[i]);
+  for (std::size_t i = 0; i < out.channels.us.size(); ++i)
+    out.channels.us[i] = static_cast<std::uint16_t>(in.channels[i]);
   out.frame_time = MICRO * static_cast<double>(in.stamp.bridge_utime);
   out.frames_sent = in.frames_sent;
   out.frames_dropped = in.frames_dropped;

@@ -42,7 +42,8 @@ WireFrame encodeSbus(const Channels& channels, std::uint8_t flags) {
   Ticks ticks;
   ticks.fill(CENTRE_TICK);
   const int count = std::clamp(channels.count, 0, MAX_CHANNELS);
-  for (int i = 0; i < count; ++i) ticks[static_cast<std::size_t>(i)] = sbusTick(channels.us[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < count; ++i)
+    ticks[static_cast<std::size_t>(i)] = sbusTick(channels.us[static_cast<std::size_t>(i)]);
   WireFrame frame;
   frame.size = SBUS_FRAME_SIZE;
   frame.bytes[0] = HEAD;

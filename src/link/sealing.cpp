@@ -70,7 +70,8 @@ Key loadKeyFile(const std::string& path) {
   }
   Key key;
   std::size_t size = 0;
-  const bool right_length = got == static_cast<ssize_t>(DIGITS) || (got == static_cast<ssize_t>(DIGITS + 1) && text[DIGITS] == '\n');
+  const bool right_length =
+      got == static_cast<ssize_t>(DIGITS) || (got == static_cast<ssize_t>(DIGITS + 1) && text[DIGITS] == '\n');
   if (!right_length || sodium_hex2bin(key.data(), key.size(), text.data(), DIGITS, nullptr, &size, nullptr) != 0 ||
       size != key.size()) {
     throw common::FileError(path, "not a key: 64 hexadecimal digits expected");

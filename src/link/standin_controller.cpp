@@ -102,7 +102,8 @@ int StandinController::throttleInForce(double now) const {
 int StandinController::motorFor(int throttle) const {
   if (throttle <= settings_.min_check) return settings_.motor_idle;
   // The firmware scales the stick to whole thousandths above min_check first.
-  const int share = (std::min(throttle, CHANNEL_HIGH) - settings_.min_check) * 1000 / (CHANNEL_HIGH - settings_.min_check);
+  const int share =
+      (std::min(throttle, CHANNEL_HIGH) - settings_.min_check) * 1000 / (CHANNEL_HIGH - settings_.min_check);
   return static_cast<int>(settings_.motor_idle + (FULL_OUTPUT - settings_.motor_idle) * share / 1000.0);
 }
 

@@ -6,8 +6,8 @@
 namespace snapwing::link {
 namespace {
 
-/// Order of the mode bits: ARM first as in release 4.5, FAILSAFE somewhere in the middle, so that who reads the modes must
-/// look the bit up.
+/// Order of the mode bits: ARM first as in release 4.5, FAILSAFE somewhere in the middle, so that who reads the modes
+/// must look the bit up.
 constexpr std::array<std::uint8_t, 6> BOXES = {BOX_ARM, 1, 2, BOX_FAILSAFE, 13, 36};
 
 }  // namespace

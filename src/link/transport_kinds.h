@@ -15,8 +15,8 @@ class TcpTransport : public Transport {
 
  private:
   int backlog() const override;
-  /// Bytes sent but not acknowledged count too: a network that returns would deliver them late. The far end may take 40 ms
-  /// to acknowledge, so five frames are let through.
+  /// Bytes sent but not acknowledged count too: a network that returns would deliver them late. The far end may take 40
+  /// ms to acknowledge, so five frames are let through.
   int backlogLimit() const override { return 160; }
   bool flush() override { return false; }
   void finishConnecting();

@@ -103,7 +103,8 @@ TEST_F(Core, ArmingInterlocks) {
   controller_.known = true;
   controller_.arming_flags = 1U << 9;
   EXPECT_EQ(attempt(), Refusal::CONTROLLER_NOT_READY);
-  EXPECT_NE(describe(core_.status().last_refusal, core_.status().last_refusal_detail).find("BOOTGRACE"), std::string::npos);
+  EXPECT_NE(describe(core_.status().last_refusal, core_.status().last_refusal_detail).find("BOOTGRACE"),
+            std::string::npos);
   controller_.arming_flags = 0;
   controller_.failsafe = true;
   EXPECT_EQ(attempt(), Refusal::CONTROLLER_FAILSAFE);

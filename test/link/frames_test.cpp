@@ -79,7 +79,8 @@ TEST(Sbus, BurstRules) {
   EXPECT_EQ(parser.badFrames(), 1U);
   // A frame drawn out over more than the burst's length is no frame.
   int count = 0;
-  for (std::size_t i = 0; i < frame.size(); ++i) count += parser.push(frame[i], 1.0 + 0.0002 * static_cast<double>(i)) ? 1 : 0;
+  for (std::size_t i = 0; i < frame.size(); ++i)
+    count += parser.push(frame[i], 1.0 + 0.0002 * static_cast<double>(i)) ? 1 : 0;
   EXPECT_EQ(count, 0);
 }
 
@@ -122,15 +123,27 @@ TEST(Channels, StickConversionsClampAndTakeNoNonsense) {
 
 TEST(MotorStream, LayoutAndRefusals) {
   const MotorPacket packet = encodeMotors({0.0, 0.5, 1.0, 2.0});
-  EXPECT_EQ(toHex(packet.data(), packet.size()), "00000000" "0000003f" "0000803f" "0000803f");
+  EXPECT_EQ(toHex(packet.data(), packet.size()),
+            "00000000"
+            "0000003f"
+            "0000803f"
+            "0000803f");
   MotorOutputs read{};
   ASSERT_TRUE(decodeMotors(packet.data(), packet.size(), read));
   EXPECT_EQ(read, (MotorOutputs{0.0, 0.5, 1.0, 1.0}));
   const MotorOutputs before = read;
   EXPECT_FALSE(decodeMotors(packet.data(), 15, read));
-  std::vector<std::uint8_t> bad = fromHex("0000c07f" "00000000" "00000000" "00000000");  // NaN
+  std::vector<std::uint8_t> bad = fromHex(
+      "0000c07f"
+      "00000000"
+      "00000000"
+      "00000000");  // NaN
   EXPECT_FALSE(decodeMotors(bad.data(), bad.size(), read));
-  bad = fromHex("0000c03f" "00000000" "00000000" "00000000");  // 1.5
+  bad = fromHex(
+      "0000c03f"
+      "00000000"
+      "00000000"
+      "00000000");  // 1.5
   EXPECT_FALSE(decodeMotors(bad.data(), bad.size(), read));
   EXPECT_EQ(read, before);
 }

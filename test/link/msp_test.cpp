@@ -41,8 +41,7 @@ TEST(Msp, VectorsAcceptedByTheFirmware) {
   EXPECT_EQ(encoded(request(MspVersion::V1, MSP_STATUS)), "244d3c006565");
   EXPECT_EQ(encoded(request(MspVersion::V2, MSP_STATUS)), "24583c0065000000ca");
   EXPECT_EQ(encoded(setRawRc(MspVersion::V1, vectorChannels())), "244d3c10c8dc05dc05e803dc05e803e803e803e803ea");
-  EXPECT_EQ(encoded(setRawRc(MspVersion::V2, vectorChannels())),
-            "24583c00c8001000dc05dc05e803dc05e803e803e803e803f4");
+  EXPECT_EQ(encoded(setRawRc(MspVersion::V2, vectorChannels())), "24583c00c8001000dc05dc05e803dc05e803e803e803e803f4");
 }
 
 TEST(Msp, RoundTripOfEverySizeInBothVersions) {
@@ -83,8 +82,8 @@ TEST(Msp, EncoderRefusesWhatDoesNotFit) {
 }
 
 TEST(Msp, EveryFlippedBitIsRejected) {
-  for (const char* vector : {"244d3c10c8dc05dc05e803dc05e803e803e803e803ea",
-                             "24583c00c8001000dc05dc05e803dc05e803e803e803e803f4"}) {
+  for (const char* vector :
+       {"244d3c10c8dc05dc05e803dc05e803e803e803e803ea", "24583c00c8001000dc05dc05e803dc05e803e803e803e803f4"}) {
     const std::vector<std::uint8_t> good = fromHex(vector);
     for (std::size_t bit = 8 * 3; bit < 8 * good.size(); ++bit) {
       std::vector<std::uint8_t> bad = good;
@@ -134,8 +133,13 @@ TEST(MspMessages, StatusRoundTripWithModesBeyond32) {
 }
 
 TEST(MspMessages, StatusByHand) {
-  // cycle 125, i2c 0, sensors 3, modes 9, profile 0, load 20, 0, 1 byte more (0x02), 26 flags, flags 0x204, config 0, temp 25
-  const std::vector<std::uint8_t> bytes = fromHex("7d0000000300090000000014000000" "0102" "1a04020000" "001900");
+  // cycle 125, i2c 0, sensors 3, modes 9, profile 0, load 20, 0, 1 byte more (0x02), 26 flags, flags 0x204, config 0,
+  // temp 25
+  const std::vector<std::uint8_t> bytes = fromHex(
+      "7d0000000300090000000014000000"
+      "0102"
+      "1a04020000"
+      "001900");
   MspPacket packet = request(MspVersion::V1, MSP_STATUS);
   packet.size = bytes.size();
   std::copy(bytes.begin(), bytes.end(), packet.payload.begin());

@@ -1,7 +1,7 @@
 /// The stand-in flight controller against the measured rules, on a fake clock.
-#include "snapwing/link/standin_controller.h"
-
 #include <gtest/gtest.h>
+
+#include "snapwing/link/standin_controller.h"
 
 namespace snapwing::link {
 namespace {

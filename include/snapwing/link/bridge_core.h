@@ -34,7 +34,8 @@ class BridgeCore {
   Refusal onAbort(const Abort& abort, double now);
   void onController(const ControllerState& controller) { status_.controller = controller; }
 
-  /// When tick() is due next: the frame grid, brought forward to a pulse's deadline so that a pulse has its exact length.
+  /// When tick() is due next: the frame grid, brought forward to a pulse's deadline so that a pulse has its exact
+  /// length.
   double nextFrameTime() const { return next_frame_; }
   /// Advances the state machine and gives the channels to send now. Call at nextFrameTime().
   const Channels& tick(double now);
@@ -84,13 +85,13 @@ class BridgeCore {
   BridgeStatus status_;
   std::array<Sender, 8> senders_{};
 
-  double next_frame_;       ///< [s]
-  double last_tick_;        ///< [s] NaN before the first
-  double wanted_period_;    ///< [s] what the last schedule asked for
+  double next_frame_;                                          ///< [s]
+  double last_tick_;                                           ///< [s] NaN before the first
+  double wanted_period_;                                       ///< [s] what the last schedule asked for
   double worst_now_ = 0, worst_before_ = 0, worst_since_ = 0;  ///< two half-second windows
 
-  std::int64_t operator_id_ = 0;      ///< sender that armed
-  double last_heartbeat_ = -1e9;      ///< [s] of the operator while armed
+  std::int64_t operator_id_ = 0;  ///< sender that armed
+  double last_heartbeat_ = -1e9;  ///< [s] of the operator while armed
   double armed_since_ = 0;
   bool controller_was_armed_ = false;
   double last_written_ = -1e9;

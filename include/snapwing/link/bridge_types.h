@@ -48,38 +48,38 @@ const char* stateName(BridgeState state);
 /// Why the bridge latched a fault.
 enum class Fault : std::int32_t {
   NONE = 0,
-  ABORTED = 1,               ///< detail: reason of the abort
-  HEARTBEAT_LOST = 2,        ///< while armed
-  LINE_LOST = 3,             ///< connection closed or blocked while armed
-  CONTROLLER_FAILSAFE = 4,   ///< while armed
-  CONTROLLER_DISARMED = 5,   ///< by itself; detail: arming-disable flags
-  CONTROLLER_NOT_ARMING = 6, ///< not armed in time; detail: arming-disable flags
-  TELEMETRY_LOST = 7,        ///< while armed
-  LOOP_STALLED = 8,          ///< the bridge itself was stopped while armed; detail: [us] gap
-  SHUTDOWN = 9,              ///< the bridge is about to end
-  MOTORS_DISAGREE = 10,      ///< motors above idle while throttle low is sent; detail: [us] largest output
+  ABORTED = 1,                ///< detail: reason of the abort
+  HEARTBEAT_LOST = 2,         ///< while armed
+  LINE_LOST = 3,              ///< connection closed or blocked while armed
+  CONTROLLER_FAILSAFE = 4,    ///< while armed
+  CONTROLLER_DISARMED = 5,    ///< by itself; detail: arming-disable flags
+  CONTROLLER_NOT_ARMING = 6,  ///< not armed in time; detail: arming-disable flags
+  TELEMETRY_LOST = 7,         ///< while armed
+  LOOP_STALLED = 8,           ///< the bridge itself was stopped while armed; detail: [us] gap
+  SHUTDOWN = 9,               ///< the bridge is about to end
+  MOTORS_DISAGREE = 10,       ///< motors above idle while throttle low is sent; detail: [us] largest output
 };
 
 /// Why a message had no effect.
 enum class Refusal : std::int32_t {
   NONE = 0,
   WRONG_SESSION = 1,
-  STALE = 2,             ///< detail: [us] age
-  FROM_FUTURE = 3,       ///< detail: [us] age, negative
-  REPEATED_NUMBER = 4,   ///< detail: number
-  REPEATED_PULSE = 5,    ///< detail: pulse id
-  BAD_VALUE = 6,         ///< not finite or outside the allowed range
+  STALE = 2,            ///< detail: [us] age
+  FROM_FUTURE = 3,      ///< detail: [us] age, negative
+  REPEATED_NUMBER = 4,  ///< detail: number
+  REPEATED_PULSE = 5,   ///< detail: pulse id
+  BAD_VALUE = 6,        ///< not finite or outside the allowed range
   NOT_ARMED = 7,
-  BUSY = 8,              ///< a pulse is in force, or the pause after the last one is not over
-  OTHER_OPERATOR = 9,    ///< another sender holds the deadman
+  BUSY = 8,            ///< a pulse is in force, or the pause after the last one is not over
+  OTHER_OPERATOR = 9,  ///< another sender holds the deadman
   TOO_MANY_SENDERS = 10,
   MIXED_NOT_ALLOWED = 11,
-  LATCHED_FAULT = 12,    ///< detail: fault
+  LATCHED_FAULT = 12,  ///< detail: fault
   NOT_CONNECTED = 13,
   CONTROLLER_UNKNOWN = 14,    ///< identity or settings not read yet, or unsafe; detail: check
   CONTROLLER_NOT_READY = 15,  ///< detail: arming-disable flags
   CONTROLLER_FAILSAFE = 16,
-  SWITCH_NOT_CYCLED = 17,     ///< the arm switch has not been off yet
+  SWITCH_NOT_CYCLED = 17,  ///< the arm switch has not been off yet
 };
 /// Plain sentences for logs and messages, e.g. "command is 130 ms old, limit 100 ms".
 std::string describe(Fault fault, std::int64_t detail);
@@ -90,13 +90,13 @@ std::string describeArmingFlags(std::uint32_t flags);
 /// What the flight controller said, as far as the bridge's logic needs it.
 struct ControllerState {
   bool connected = false;
-  bool known = false;          ///< identity and settings read and found safe, or allowed by name
-  bool readback = true;        ///< false: no telemetry on this line; allowed by name only
-  int failed_check = 0;        ///< first check not passed
+  bool known = false;    ///< identity and settings read and found safe, or allowed by name
+  bool readback = true;  ///< false: no telemetry on this line; allowed by name only
+  int failed_check = 0;  ///< first check not passed
   bool armed = false;
   bool failsafe = false;
   std::uint32_t arming_flags = 0;
-  int motor_max = 0;           ///< [us] largest motor output; 0 = not read
+  int motor_max = 0;  ///< [us] largest motor output; 0 = not read
   double motor_time = -std::numeric_limits<double>::infinity();
   double status_time = -std::numeric_limits<double>::infinity();  ///< [s] when status was last received
 };
@@ -124,7 +124,8 @@ struct BridgeSettings {
 
 constexpr int HISTOGRAM_BINS = 10;
 /// Upper edges of all but the last bin [s].
-constexpr std::array<double, HISTOGRAM_BINS - 1> HISTOGRAM_EDGES = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2};
+constexpr std::array<double, HISTOGRAM_BINS - 1> HISTOGRAM_EDGES = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3,
+                                                                    5e-3, 1e-2, 2e-2, 5e-2};
 
 struct BridgeStatus {
   BridgeState state = BridgeState::IDLE;

@@ -11,9 +11,9 @@ constexpr int FRAME_CHANNELS = 8;  ///< what the bridge sends: never fewer than 
 
 enum ChannelIndex { ROLL = 0, PITCH = 1, THROTTLE = 2, YAW = 3, AUX1 = 4 };
 
-constexpr int CHANNEL_LOW = 1000;     ///< [us]
-constexpr int CHANNEL_CENTRE = 1500;  ///< [us]
-constexpr int CHANNEL_HIGH = 2000;    ///< [us]
+constexpr int CHANNEL_LOW = 1000;        ///< [us]
+constexpr int CHANNEL_CENTRE = 1500;     ///< [us]
+constexpr int CHANNEL_HIGH = 2000;       ///< [us]
 constexpr int CHANNEL_MIN_VALID = 885;   ///< [us] outside these the flight controller calls a channel invalid
 constexpr int CHANNEL_MAX_VALID = 2115;  ///< [us]
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Reads a flight controller over MSP: first who it is and how its failsafe is set, then its state, over and over, within
-/// the about 96 commands a second that it serves (50 frames + 25 questions). Pure: packets in, packets out.
+/// Reads a flight controller over MSP: first who it is and how its failsafe is set, then its state, over and over,
+/// within the about 96 commands a second that it serves (50 frames + 25 questions). Pure: packets in, packets out.
 
 #include <array>
 #include <cstdint>

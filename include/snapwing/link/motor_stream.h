@@ -9,10 +9,10 @@
 namespace snapwing::link {
 
 constexpr int MOTOR_COUNT = 4;
-constexpr std::uint16_t MOTOR_STREAM_PORT = 9002;             ///< default UDP port of the receiver, on the loopback
-constexpr std::size_t MOTOR_PACKET_SIZE = 4 * MOTOR_COUNT;    ///< [bytes]
+constexpr std::uint16_t MOTOR_STREAM_PORT = 9002;           ///< default UDP port of the receiver, on the loopback
+constexpr std::size_t MOTOR_PACKET_SIZE = 4 * MOTOR_COUNT;  ///< [bytes]
 using MotorPacket = std::array<std::uint8_t, MOTOR_PACKET_SIZE>;
-using MotorOutputs = std::array<double, MOTOR_COUNT>;         ///< [1] 0 = off, (1070 - 1000) / 1000 = idle, 1 = full
+using MotorOutputs = std::array<double, MOTOR_COUNT>;  ///< [1] 0 = off, (1070 - 1000) / 1000 = idle, 1 = full
 
 /// @param outputs  clamped to [0, 1]; not finite becomes 0
 MotorPacket encodeMotors(const MotorOutputs& outputs);

@@ -54,8 +54,20 @@ class MspParser {
   void reset() { state_ = State::START; }
 
  private:
-  enum class State { START, VERSION, DIRECTION, V1_SIZE, V1_ID, V2_FLAGS, V2_ID_LOW, V2_ID_HIGH, V2_SIZE_LOW,
-                     V2_SIZE_HIGH, PAYLOAD, CHECK };
+  enum class State {
+    START,
+    VERSION,
+    DIRECTION,
+    V1_SIZE,
+    V1_ID,
+    V2_FLAGS,
+    V2_ID_LOW,
+    V2_ID_HIGH,
+    V2_SIZE_LOW,
+    V2_SIZE_HIGH,
+    PAYLOAD,
+    CHECK
+  };
   bool header(std::uint8_t byte);
   bool reject();
   void afterHeader();

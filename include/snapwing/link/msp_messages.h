@@ -26,7 +26,7 @@ struct FailsafeConfig {
   int procedure = 0;              ///< 0 = landing, 1 = motors off, 2 = GPS rescue
 };
 struct StatusReply {
-  int cycle_time = 0;  ///< [us]
+  int cycle_time = 0;       ///< [us]
   std::uint64_t modes = 0;  ///< bit n = n-th entry of BOXIDS; the first 64
   std::uint32_t arming_flags = 0;
   int arming_flag_count = 0;

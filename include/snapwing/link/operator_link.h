@@ -14,10 +14,10 @@
 namespace snapwing::link {
 
 struct LinkCounters {
-  std::int64_t statuses = 0;      ///< good ones
-  std::int64_t rejected = 0;      ///< forged, malformed, of another version, repeated
-  std::int64_t missed = 0;        ///< gaps in their numbers
-  std::int64_t not_sent = 0;      ///< commands held back because no bridge was heard
+  std::int64_t statuses = 0;  ///< good ones
+  std::int64_t rejected = 0;  ///< forged, malformed, of another version, repeated
+  std::int64_t missed = 0;    ///< gaps in their numbers
+  std::int64_t not_sent = 0;  ///< commands held back because no bridge was heard
 };
 
 class OperatorLink {
@@ -47,8 +47,8 @@ class OperatorLink {
   std::int64_t messagesRejectedByBridge() const { return rejected_by_bridge_; }
   std::int64_t session() const { return session_; }
 
-  static constexpr double BRIDGE_TIMEOUT = 0.2;   ///< [s]
-  static constexpr double COMMAND_EXPIRY = 0.1;   ///< [s]
+  static constexpr double BRIDGE_TIMEOUT = 0.2;  ///< [s]
+  static constexpr double COMMAND_EXPIRY = 0.1;  ///< [s]
 
  private:
   struct Lcm;
@@ -62,8 +62,8 @@ class OperatorLink {
   std::int64_t sender_id_;
   std::int64_t pulse_number_ = 0, heartbeat_number_ = 0, abort_number_ = 0;
   std::int64_t session_ = 0, last_status_number_ = 0;
-  double heard_ = -1e9;       ///< [s] own clock, when the last status arrived
-  double bridge_time_ = 0;    ///< [s] bridge's clock in it
+  double heard_ = -1e9;     ///< [s] own clock, when the last status arrived
+  double bridge_time_ = 0;  ///< [s] bridge's clock in it
   BridgeStatus status_;
   snapwing_lcm::telemetry_t telemetry_{};
   bool telemetry_known_ = false;

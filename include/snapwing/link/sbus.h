@@ -1,6 +1,7 @@
 #pragma once
-/// SBUS: 25 bytes, 0x0F, 16 x 11 bits (lowest first), flags, 0x00; 100000 baud 8E2, inverted line, every 14 ms (7 fast).
-/// There is no checksum: only head, tail and the reserved flag bits can be checked, so a flipped bit is accepted.
+/// SBUS: 25 bytes, 0x0F, 16 x 11 bits (lowest first), flags, 0x00; 100000 baud 8E2, inverted line, every 14 ms (7
+/// fast). There is no checksum: only head, tail and the reserved flag bits can be checked, so a flipped bit is
+/// accepted.
 
 #include <array>
 #include <cstdint>

@@ -32,7 +32,8 @@ class Sealer {
   explicit Sealer(const Key& key) : key_(key) {}
 
   /// @return false if the payload is too large
-  bool seal(const std::string& channel, const std::uint8_t* payload, std::size_t size, snapwing_lcm::sealed_t& out) const;
+  bool seal(const std::string& channel, const std::uint8_t* payload, std::size_t size,
+            snapwing_lcm::sealed_t& out) const;
   /// @return true if the envelope is of our version and its code is right
   bool verify(const std::string& channel, const snapwing_lcm::sealed_t& sealed) const;
 

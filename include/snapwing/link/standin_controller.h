@@ -33,10 +33,10 @@ struct StandinSettings {
   double failsafe_recovery = 1.0;  ///< of frames, and AUX1 low, before failsafe clears
   double thrust_return = 0.02;     ///< after the first frame that follows a gap longer than throttle_hold
   double arm_delay = 0.04;
-  double msp_rate = 96.0;          ///< [1/s] commands served
-  int msp_backlog = 106;           ///< commands kept waiting (1.1 s); more are lost
-  int arm_threshold = 1700;        ///< AUX1 at or above
-  int min_check = 1050;            ///< throttle below is low
+  double msp_rate = 96.0;    ///< [1/s] commands served
+  int msp_backlog = 106;     ///< commands kept waiting (1.1 s); more are lost
+  int arm_threshold = 1700;  ///< AUX1 at or above
+  int min_check = 1050;      ///< throttle below is low
   int motor_idle = 1070;
   int motor_off = 1000;
   ApiVersion api{0, 1, 46};
@@ -79,9 +79,9 @@ class StandinController {
   Channels values_;  ///< wire order, held
   std::array<double, MAX_CHANNELS> valid_time_{};
   bool any_frame_ = false;
-  double last_frame_ = -1e9;    ///< any frame
-  double last_good_ = -1e9;     ///< frame while all flight channels were valid or held
-  double good_since_ = 1e18;    ///< unbroken good frames since
+  double last_frame_ = -1e9;  ///< any frame
+  double last_good_ = -1e9;   ///< frame while all flight channels were valid or held
+  double good_since_ = 1e18;  ///< unbroken good frames since
   double thrust_return_ = -1e9;
   bool armed_ = false, failsafe_ = false;
   bool switch_on_ = false, not_disarmed_ = false, arm_switch_latched_ = false;

@@ -31,9 +31,9 @@ class Transport {
 
   /// @return bytes read, 0 if none; a broken line closes
   std::size_t read(std::uint8_t* out, std::size_t capacity);
-  /// Sends all of it or nothing. A rest that the kernel did not take is sent first next time; until then, and while more
-  /// than the kind's limit of bytes wait in the kernel, frames are dropped. Blocked for longer than a tenth of a second, the
-  /// line is flushed (serial) or closed (socket).
+  /// Sends all of it or nothing. A rest that the kernel did not take is sent first next time; until then, and while
+  /// more than the kind's limit of bytes wait in the kernel, frames are dropped. Blocked for longer than a tenth of a
+  /// second, the line is flushed (serial) or closed (socket).
   /// @return true if the whole frame was handed to the kernel
   bool write(const std::uint8_t* bytes, std::size_t size, double now);
   void close();

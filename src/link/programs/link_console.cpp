@@ -1,6 +1,6 @@
-/// link_console: the operator's end of the link on a terminal, without ROS; for bench work and tests. Commands on standard
-/// input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort, deadman on|off, quit. Status as lines of
-/// JSON on standard output. It is the heartbeat: when it ends or stops, the bridge disarms.
+/// link_console: the operator's end of the link on a terminal, without ROS; for bench work and tests. Commands on
+/// standard input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort, deadman on|off, quit.
+/// Status as lines of JSON on standard output. It is the heartbeat: when it ends or stops, the bridge disarms.
 #include <poll.h>
 #include <unistd.h>
 
@@ -24,13 +24,16 @@ struct Operator {
 void printStatus(const link::OperatorLink& link, double now) {
   const link::BridgeStatus& s = link.status();
   std::printf(
-      "{\"t\": %.6f, \"frame_time\": %.6f, \"state\": \"%s\", \"fault\": \"%s\", \"pulse_id\": %lld, \"throttle\": %.4f, "
-      "\"throttle_us\": %d, \"aux1_us\": %d, \"frames\": %lld, \"dropped\": %lld, \"accepted\": %lld, \"refused\": %lld, "
-      "\"rejected\": %lld, \"refusal\": \"%s\", \"latency_worst\": %.6f, \"connected\": %d, \"known\": %d, \"armed\": %d, "
+      "{\"t\": %.6f, \"frame_time\": %.6f, \"state\": \"%s\", \"fault\": \"%s\", \"pulse_id\": %lld, \"throttle\": "
+      "%.4f, "
+      "\"throttle_us\": %d, \"aux1_us\": %d, \"frames\": %lld, \"dropped\": %lld, \"accepted\": %lld, \"refused\": "
+      "%lld, "
+      "\"rejected\": %lld, \"refusal\": \"%s\", \"latency_worst\": %.6f, \"connected\": %d, \"known\": %d, \"armed\": "
+      "%d, "
       "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld}\n",
       now, s.frame_time, link::stateName(s.state), link::describe(s.fault, s.fault_detail).c_str(),
-      static_cast<long long>(s.pulse_id), s.commanded_throttle, s.channels.us[link::THROTTLE], s.channels.us[link::AUX1],
-      static_cast<long long>(s.frames_sent), static_cast<long long>(s.frames_dropped),
+      static_cast<long long>(s.pulse_id), s.commanded_throttle, s.channels.us[link::THROTTLE],
+      s.channels.us[link::AUX1], static_cast<long long>(s.frames_sent), static_cast<long long>(s.frames_dropped),
       static_cast<long long>(s.commands_accepted), static_cast<long long>(s.commands_refused),
       static_cast<long long>(link.messagesRejectedByBridge()),
       link::describe(s.last_refusal, s.last_refusal_detail).c_str(), s.latency_worst, s.controller.connected ? 1 : 0,

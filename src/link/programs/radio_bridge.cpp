@@ -1,5 +1,5 @@
-/// radio_bridge: thrust pulses in as LCM messages, remote-control frames out at a fixed rate. No ROS, no planner, nothing
-/// but the last watchdog before the flight controller's own. docs/safety.md says what it promises.
+/// radio_bridge: thrust pulses in as LCM messages, remote-control frames out at a fixed rate. No ROS, no planner,
+/// nothing but the last watchdog before the flight controller's own. docs/safety.md says what it promises.
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
@@ -83,7 +83,8 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--max-pitch", o.settings.max_pitch, "pitch stick with mixed control, 0 = not allowed [1]")
       ->capture_default_str();
   app.add_option("--min-rest", o.settings.min_rest, "pause between pulses [s]")->capture_default_str();
-  app.add_option("--throttle-rise", o.settings.throttle_rise, "ramp from low to full, 0 = step [s]")->capture_default_str();
+  app.add_option("--throttle-rise", o.settings.throttle_rise, "ramp from low to full, 0 = step [s]")
+      ->capture_default_str();
   app.add_option("--heartbeat-timeout", o.settings.heartbeat_timeout, "silence of the operator that disarms [s]")
       ->capture_default_str();
   app.add_option("--frame-period", o.settings.frame_period, "[s]")->capture_default_str();
@@ -139,7 +140,8 @@ int start(const Options& o) {
   const link::Protocol protocol = link::protocolFromName(o.protocol);
   const bool can_ask = protocol == link::Protocol::MSP1 || protocol == link::Protocol::MSP2;
   if (!can_ask && !blind) {
-    throw common::SettingError("radio bridge", "allow", "", "no-readback must be named: " + o.protocol + " cannot be asked");
+    throw common::SettingError("radio bridge", "allow", "",
+                               "no-readback must be named: " + o.protocol + " cannot be asked");
   }
   const link::Key key = link::loadKeyFile(o.key_file);
   const std::unique_ptr<link::Transport> transport = link::makeTransport(o.fc, link::lineSettings(protocol));
@@ -147,15 +149,16 @@ int start(const Options& o) {
   crash_frame = link::BridgeLoop::safeFrame(protocol);
   link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
   link::BridgeLcm lcm(o.lcm_url, key, session, loop.inbox(), loop.outbox());
-  std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(), o.protocol.c_str(),
-               o.lcm_url.c_str());
+  std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(),
+               o.protocol.c_str(), o.lcm_url.c_str());
   askForRealTime(o.realtime_priority);
   run(loop, lcm, *transport);
   std::fprintf(stderr, "radio_bridge: ended, throttle low and AUX1 low were sent for %.2f s\n", o.settings.exit_time);
   return 0;
 }
 
-/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11 wants.
+/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11
+/// wants.
 std::vector<std::string> ownArguments(int argc, char** argv) {
   std::vector<std::string> own;
   for (int i = argc - 1; i > 0; --i) {

@@ -1,5 +1,5 @@
-/// standin_flight_controller: answers MSP (or hears SBUS, CRSF) with the measured timing of a real flight controller and
-/// sends its motor outputs as UDP datagrams. For tests and the simulated vehicle.
+/// standin_flight_controller: answers MSP (or hears SBUS, CRSF) with the measured timing of a real flight controller
+/// and sends its motor outputs as UDP datagrams. For tests and the simulated vehicle.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -153,8 +153,9 @@ class EventLog {
     flags_ = fc.armingFlags();
     motor_ = fc.motorMicroseconds();
     if (file_ == nullptr) return;
-    std::fprintf(file_, "{\"t\": %.6f, \"utime\": %lld, \"armed\": %s, \"failsafe\": %s, \"flags\": %u, \"motor\": %d}\n",
-                 now, static_cast<long long>(link::wallMicroseconds()), armed_ ? "true" : "false",
+    std::fprintf(file_,
+                 "{\"t\": %.6f, \"utime\": %lld, \"armed\": %s, \"failsafe\": %s, \"flags\": %u, \"motor\": %d}\n", now,
+                 static_cast<long long>(link::wallMicroseconds()), armed_ ? "true" : "false",
                  failsafe_ ? "true" : "false", flags_, motor_);
     std::fflush(file_);
   }
@@ -177,7 +178,8 @@ class Receiver {
     if (protocol_ == "msp") return msp_.receive(bytes, size);
     for (std::size_t i = 0; i < size; ++i) {
       if (protocol_ == "sbus") {
-        if (sbus_.push(bytes[i], now) && sbus_.frame().usable()) frame(sbus_.frame().ticks, link::sbusMicroseconds, now);
+        if (sbus_.push(bytes[i], now) && sbus_.frame().usable())
+          frame(sbus_.frame().ticks, link::sbusMicroseconds, now);
       } else if (crsf_.push(bytes[i])) {
         frame(crsf_.ticks(), link::crsfMicroseconds, now);
       }
@@ -224,7 +226,8 @@ int run(const Options& o) {
   return 0;
 }
 
-/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11 wants.
+/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11
+/// wants.
 std::vector<std::string> ownArguments(int argc, char** argv) {
   std::vector<std::string> own;
   for (int i = argc - 1; i > 0; --i) {
@@ -244,7 +247,9 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"msp", "sbus", "crsf"}))
       ->capture_default_str();
   app.add_option("--motor-host", o.motor_host, "where motor outputs go")->capture_default_str();
-  app.add_option("--motor-port", o.motor_port, "UDP port, 0 = none")->check(CLI::Range(0, 65535))->capture_default_str();
+  app.add_option("--motor-port", o.motor_port, "UDP port, 0 = none")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
   app.add_option("--events", o.events, "file for a line of JSON at each change");
   app.add_option("--boot-grace", o.settings.boot_grace, "no arming for this long after the start [s]")
       ->check(CLI::Range(0.0, 60.0))

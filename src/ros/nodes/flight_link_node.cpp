@@ -1,13 +1,5 @@
-/// flight_link_node: pulse commands, arming and aborts from ROS to the radio bridge (LCM), its status and diagnostics back.
-/// The node is the operator's heartbeat: when it dies, hangs or is stopped, the bridge disarms by itself.
-
-#include <atomic>
-#include <cmath>
-#include <deque>
-#include <functional>
-#include <limits>
-#include <mutex>
-#include <thread>
+/// flight_link_node: pulse commands, arming and aborts from ROS to the radio bridge (LCM), its status and diagnostics
+/// back. The node is the operator's heartbeat: when it dies, hangs or is stopped, the bridge disarms by itself.
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/console.h>
@@ -18,21 +10,28 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include <atomic>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <thread>
+
 #include "snapwing/link/clock.h"
 #include "snapwing/link/operator_link.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
 #include "snapwing_lcm/abort_t.hpp"
-#include "snapwing_lcm/abort_t.hpp"
 
 namespace snapwing::nodes {
 namespace {
 
-constexpr char ABORT[] = "abort";                        ///< service std_srvs/Trigger
-constexpr char COMMAND_DEADMAN[] = "command/deadman";    ///< std_msgs/Bool
-constexpr double CYCLE_TIME = 0.06;                      ///< [s] switch shown off before it is shown on
-constexpr double REFUSAL_WAIT = 0.3;                     ///< [s]
+constexpr char ABORT[] = "abort";                      ///< service std_srvs/Trigger
+constexpr char COMMAND_DEADMAN[] = "command/deadman";  ///< std_msgs/Bool
+constexpr double CYCLE_TIME = 0.06;                    ///< [s] switch shown off before it is shown on
+constexpr double REFUSAL_WAIT = 0.3;                   ///< [s]
 
 static_assert(LinkStatus::BRIDGE_IDLE == static_cast<int>(link::BridgeState::IDLE));
 static_assert(LinkStatus::BRIDGE_ARMED == static_cast<int>(link::BridgeState::ARMED));
@@ -98,7 +97,8 @@ class FlightLinkNode {
         link_(settings_.lcm_url, link::loadKeyFile(settings_.key_file),
               [this](const link::BridgeStatus& status) { onStatus(status); }) {
     ros::NodeHandle& nh = handles.relative;
-    subscriber_ = nh.subscribe(topics::COMMAND_PULSE, 1, &FlightLinkNode::onPulse, this, ros::TransportHints().tcpNoDelay());
+    subscriber_ =
+        nh.subscribe(topics::COMMAND_PULSE, 1, &FlightLinkNode::onPulse, this, ros::TransportHints().tcpNoDelay());
     if (settings_.deadman == "topic") {
       deadman_subscriber_ = nh.subscribe(COMMAND_DEADMAN, 1, &FlightLinkNode::onDeadman, this);
     }
@@ -247,7 +247,8 @@ class FlightLinkNode {
     if (isActive(status().state) && status().controller.armed) return "";
     arm_wish_ = false;
     const link::BridgeStatus now = status();
-    return now.fault == link::Fault::NONE ? "the flight controller does not report armed" : describe(now.fault, now.fault_detail);
+    return now.fault == link::Fault::NONE ? "the flight controller does not report armed"
+                                          : describe(now.fault, now.fault_detail);
   }
 
   std::string disarm() {
@@ -263,7 +264,9 @@ class FlightLinkNode {
     response.success = wait(REFUSAL_WAIT, [&] { return bridgeAlive() && status().state != link::BridgeState::FAULT; });
     reset_wish_ = false;
     const link::BridgeStatus now = status();
-    response.message = response.success ? "no fault" : bridgeAlive() ? describe(now.fault, now.fault_detail) : "no radio bridge heard";
+    response.message = response.success ? "no fault"
+                       : bridgeAlive()  ? describe(now.fault, now.fault_detail)
+                                        : "no radio bridge heard";
     return true;
   }
 

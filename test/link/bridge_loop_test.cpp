@@ -1,0 +1,251 @@
+/// Bridge and stand-in together: what the motors do when something dies, stops or blocks in the middle of a pulse.
+#include "snapwing/link/bridge_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "link/loop_simulation.h"
+
+namespace snapwing::link {
+namespace {
+
+using test::Simulation;
+
+constexpr int IDLE_OUTPUT = 1070;  ///< [us]
+
+TEST(BridgeLoop, ReadsTheControllerBeforeArming) {
+  Simulation s;
+  s.run(0.7);
+  const ControllerTelemetry& telemetry = s.bridge->watch().telemetry();
+  EXPECT_TRUE(s.bridge->core().status().controller.known);
+  EXPECT_EQ(telemetry.api.minor, 46);
+  EXPECT_DOUBLE_EQ(telemetry.failsafe.delay, 1.5);
+  EXPECT_EQ(s.port.lostCommands(), 0);
+}
+
+TEST(BridgeLoop, StaysWithinTheControllersRate) {
+  Simulation s;
+  s.arm();
+  const std::int64_t served = s.port.served();
+  s.run(10.0);
+  EXPECT_LE(static_cast<double>(s.port.served() - served) / 10.0, 80.0);
+  EXPECT_EQ(s.port.lostCommands(), 0);
+  EXPECT_EQ(s.bridge->watch().telemetry().reply_errors, 0);
+  EXPECT_LT(s.now - s.bridge->watch().telemetry().status_time, 0.25);
+  EXPECT_LT(s.now - s.bridge->watch().telemetry().rc_time, 0.5);
+}
+
+TEST(BridgeLoop, UnsafeControllersAreRefusedUnlessAllowedByName) {
+  struct Case {
+    const char* name;
+    std::function<void(StandinSettings&)> spoil;
+  };
+  const std::vector<Case> cases = {{"failsafe-procedure", [](StandinSettings& s) { s.failsafe.procedure = 0; }},
+                                   {"failsafe-delay", [](StandinSettings& s) { s.failsafe.delay = 3.0; }},
+                                   {"rx-map", [](StandinSettings& s) { s.rx_map.map = {0, 1, 2, 3, 4, 5, 6, 7}; }},
+                                   {"api-version", [](StandinSettings& s) { s.api.minor = 44; }},
+                                   {"controller", [](StandinSettings& s) {
+                                      s.variant = {'I', 'N', 'A', 'V'};
+                                    }}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    StandinSettings standin = Simulation::quickStandin();
+    c.spoil(standin);
+    Simulation refused(standin);
+    refused.run(1.5);
+    EXPECT_FALSE(refused.bridge->core().status().controller.known);
+    EXPECT_STREQ(checkName(refused.bridge->watch().failedCheck()), c.name);
+    refused.arm_switch = true;
+    refused.run(1.0);
+    EXPECT_FALSE(refused.fc.armed());
+    Simulation allowed(standin, {}, {c.name});
+    allowed.arm();
+    EXPECT_TRUE(allowed.fc.armed());
+  }
+}
+
+TEST(BridgeLoop, PulseReachesTheMotors) {
+  Simulation s;
+  s.arm();
+  ASSERT_EQ(s.pulse(0.5, 0.2), Refusal::NONE);
+  ASSERT_TRUE(s.runUntil(0.05, [&] { return s.fc.motorMicroseconds() == 1509; }));
+  const double start = s.now;
+  ASSERT_TRUE(s.runUntil(1.0, [&] { return s.fc.motorMicroseconds() == IDLE_OUTPUT; }));
+  // The controller's serial task turns every 10.4 ms, so each edge may lie up to one turn late.
+  EXPECT_NEAR(s.now - start, 0.2, 0.0125);
+}
+
+/// kill -9 at 100 moments of a pulse: thrust held at most 0.28 s, then idle, failsafe at 1.5 s, and nothing comes back.
+TEST(BridgeLoop, KilledBridge) {
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> moment(0.0, 0.5);
+  for (int trial = 0; trial < 100; ++trial) {
+    SCOPED_TRACE(trial);
+    Simulation s;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 0.6), Refusal::NONE);
+    s.run(moment(rng));
+    s.bridge_runs = false;
+    const double killed = s.now;
+    s.runUntil(0.4, [&] { return s.fc.motorMicroseconds() <= IDLE_OUTPUT; });
+    EXPECT_LE(s.now - killed, 0.28 + 0.0125);  // plus one turn of the controller's serial task
+    s.highest_motor = 0;
+    ASSERT_TRUE(s.runUntil(2.0, [&] { return s.fc.failsafe(); }));
+    EXPECT_NEAR(s.now - killed, 1.5, 0.035);
+    EXPECT_EQ(s.fc.motorMicroseconds(), 1000);
+    s.restartBridge();  // supervisor starts a new one; the operator's switch is still on
+    s.run(4.0);
+    EXPECT_LE(s.highest_motor, IDLE_OUTPUT);
+    EXPECT_FALSE(s.fc.armed());
+  }
+}
+
+/// A new bridge within the gap in which the controller would take thrust back at once.
+TEST(BridgeLoop, RestartWithinTheGapBringsNoThrustBack) {
+  for (const double gap : {0.05, 0.2, 0.35, 0.8, 1.4}) {
+    SCOPED_TRACE(gap);
+    Simulation s;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 1.5), Refusal::NONE);
+    s.run(0.1);
+    s.bridge_runs = false;
+    s.run(gap);
+    s.restartBridge();
+    s.run(0.05);
+    s.highest_motor = 0;
+    s.run(3.0);
+    EXPECT_LE(s.highest_motor, IDLE_OUTPUT);
+    EXPECT_FALSE(s.fc.armed()) << "the first frame of a new bridge disarms";
+  }
+}
+
+/// SIGSTOP and SIGCONT at 100 moments, for any time: never thrust again after the motors were at idle, and never longer
+/// than the pulse's own end plus one frame.
+TEST(BridgeLoop, StoppedAndContinuedBridge) {
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<double> moment(0.0, 0.8), pause(0.0, 2.5);
+  for (int trial = 0; trial < 100; ++trial) {
+    SCOPED_TRACE(trial);
+    Simulation s;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 1.0), Refusal::NONE);
+    const double pulse_end = s.now + 1.0;
+    s.run(moment(rng));
+    s.bridge_runs = false;
+    const double stopped = s.now;
+    bool was_idle = false, came_back = false;
+    const auto watch = [&] {
+      if (s.fc.motorMicroseconds() <= IDLE_OUTPUT) was_idle = true;
+      if (was_idle && s.fc.motorMicroseconds() > IDLE_OUTPUT) came_back = true;
+    };
+    const double length = pause(rng);
+    s.run(length, watch);
+    s.bridge_runs = true;
+    s.run(2.0, watch);
+    EXPECT_TRUE(was_idle);
+    EXPECT_FALSE(came_back) << "stopped for " << length << " s at " << stopped - (pulse_end - 1.0);
+    EXPECT_TRUE(length < 0.12 || s.bridge->core().status().state == BridgeState::FAULT);
+  }
+}
+
+TEST(BridgeLoop, OperatorDies) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> moment(0.0, 0.5);
+  for (int trial = 0; trial < 100; ++trial) {
+    Simulation s;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 1.0), Refusal::NONE);
+    s.run(moment(rng));
+    s.operator_runs = false;
+    const double died = s.now;
+    ASSERT_TRUE(s.runUntil(0.5, [&] { return s.fc.motorMicroseconds() <= IDLE_OUTPUT; }));
+    EXPECT_LE(s.now - died, 0.2 + 0.02 + 0.0125);
+    s.operator_runs = true;
+    s.highest_motor = 0;
+    s.run(2.0);
+    EXPECT_LE(s.highest_motor, IDLE_OUTPUT);
+    EXPECT_EQ(s.bridge->core().status().fault, Fault::HEARTBEAT_LOST);
+  }
+}
+
+TEST(BridgeLoop, UnpluggedLineNeverResumes) {
+  for (const double gap : {0.1, 0.3, 0.7, 1.2}) {
+    SCOPED_TRACE(gap);
+    Simulation s;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 1.5), Refusal::NONE);
+    s.run(0.1);
+    s.line.plugged = false;
+    s.line.unplug();
+    const double cut = s.now;
+    ASSERT_TRUE(s.runUntil(gap + 0.5, [&] {
+      if (s.now - cut > gap) s.line.plugged = true;
+      return s.fc.motorMicroseconds() <= IDLE_OUTPUT;
+    }));
+    EXPECT_LE(s.now - cut, 0.28 + 0.0125);
+    s.line.plugged = true;
+    s.highest_motor = 0;
+    s.run(3.0);
+    EXPECT_LE(s.highest_motor, IDLE_OUTPUT);
+    EXPECT_EQ(s.bridge->core().status().fault, Fault::LINE_LOST);
+    EXPECT_GE(s.line.connections(), 2);
+  }
+}
+
+TEST(BridgeLoop, BlockedLineDeliversNoStaleThrust) {
+  // Shorter than the line's timeout the pulse goes on to its own deadline; longer, it is over.
+  for (const double blocked : {0.2, 0.3, 0.6, 1.2}) {
+    SCOPED_TRACE(blocked);
+    Simulation s;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 1.5), Refusal::NONE);
+    s.run(0.1);
+    s.line_open = false;
+    const double start = s.now;
+    s.run(blocked);
+    s.line_open = true;
+    ASSERT_TRUE(s.runUntil(0.5, [&] { return s.fc.motorMicroseconds() <= IDLE_OUTPUT; }));
+    EXPECT_LE(s.now - start, std::max(0.28, blocked) + 0.04);
+    s.highest_motor = 0;
+    s.run(3.0);
+    EXPECT_LE(s.highest_motor, IDLE_OUTPUT);
+    EXPECT_EQ(s.bridge->core().status().fault, Fault::LINE_LOST);
+  }
+}
+
+TEST(BridgeLoop, ResetAfterFailsafeArmsAgainWithoutThePulse) {
+  Simulation s;
+  s.arm();
+  ASSERT_EQ(s.pulse(1.0, 1.0), Refusal::NONE);
+  s.bridge_runs = false;
+  s.run(2.0);
+  ASSERT_TRUE(s.fc.failsafe());
+  s.bridge_runs = true;
+  s.arm_switch = false;
+  s.run(1.5);
+  s.reset = true;
+  s.run(0.1);
+  s.reset = false;
+  s.highest_motor = 0;
+  s.arm();
+  s.run(0.5);
+  EXPECT_EQ(s.highest_motor, IDLE_OUTPUT);
+  EXPECT_EQ(s.bridge->core().status().state, BridgeState::ARMED);
+}
+
+TEST(BridgeLoop, NoiseFromTheControllerChangesNothing) {
+  std::mt19937 rng(5);
+  Simulation s;
+  s.arm();
+  s.run(2.0, [&] {
+    std::uint8_t noise[3];
+    for (auto& byte : noise) byte = static_cast<std::uint8_t>(rng());
+    if (rng() % 8 == 0) s.line.farWrite(noise, sizeof noise);
+  });
+  EXPECT_EQ(s.bridge->core().status().channels.us[THROTTLE], 1000);
+  EXPECT_GT(s.bridge->watch().telemetry().replies, 20);
+}
+
+}  // namespace
+}  // namespace snapwing::link

@@ -1,0 +1,130 @@
+#include "link/loop_simulation.h"
+
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace snapwing::link::test {
+
+void PipeTransport::maintain(double now) {
+  if (connected_ || !plugged || now < next_attempt_) return;
+  next_attempt_ = now + 0.25;
+  unplug();
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) != 0) return;
+  descriptor_ = ends[0];
+  far_ = ends[1];
+  opened();
+}
+
+int PipeTransport::backlog() const {
+  int waiting = 0;
+  return far_ >= 0 && ioctl(far_, FIONREAD, &waiting) == 0 ? waiting : 0;
+}
+
+bool PipeTransport::flush() {
+  std::uint8_t bytes[256];
+  while (farRead(bytes, sizeof bytes) > 0) {
+  }
+  return true;
+}
+
+std::size_t PipeTransport::farRead(std::uint8_t* out, std::size_t capacity) {
+  const ssize_t got = far_ >= 0 ? ::read(far_, out, capacity) : -1;
+  return got > 0 ? static_cast<std::size_t>(got) : 0;
+}
+
+void PipeTransport::farWrite(const std::uint8_t* bytes, std::size_t size) {
+  if (far_ >= 0 && ::send(far_, bytes, size, MSG_NOSIGNAL) < 0) return;
+}
+
+void PipeTransport::unplug() {
+  if (far_ >= 0) ::close(far_);
+  far_ = -1;
+  close();
+}
+
+Simulation::Simulation(const StandinSettings& standin, const BridgeSettings& settings,
+                       const std::set<std::string>& allowed)
+    : fc(standin, now), port(fc, now), bridge_settings_(settings), allowed_(allowed) {
+  restartBridge();
+}
+
+StandinSettings Simulation::quickStandin() {
+  StandinSettings settings;
+  settings.boot_grace = 0.6;
+  return settings;
+}
+
+void Simulation::restartBridge() {
+  line.unplug();
+  bridge = std::make_unique<BridgeLoop>(bridge_settings_, Protocol::MSP2, true, allowed_, line, ++session_, now);
+  bridge_runs = true;
+  pulse_id = 0;
+}
+
+void Simulation::step() {
+  now += 0.001;
+  if (operator_runs && now >= next_beat_) {
+    next_beat_ = now + 0.02;
+    Inbound beat;
+    beat.kind = Inbound::Kind::HEARTBEAT;
+    beat.heartbeat = {{1, session_, ++number_, now, 0.1}, arm_switch, deadman, reset};
+    if (bridge_runs) bridge->inbox().push(beat);
+  }
+  if (bridge_runs) {
+    bridge->receive(now);
+    if (now >= bridge->core().nextFrameTime()) bridge->frame(now);
+    Outbound gone;
+    while (bridge->outbox().pop(gone)) {
+    }
+  }
+  std::uint8_t bytes[1024];
+  while (line_open) {
+    const std::size_t got = line.farRead(bytes, sizeof bytes);
+    if (got == 0) break;
+    port.receive(bytes, got);
+  }
+  const std::size_t size = port.step(now, bytes, sizeof bytes);
+  if (size > 0 && line_open) line.farWrite(bytes, size);
+  highest_motor = std::max(highest_motor, fc.motorMicroseconds());
+}
+
+void Simulation::run(double seconds, const std::function<void()>& each) {
+  for (const double end = now + seconds; now < end - 1e-9;) {
+    step();
+    if (each) each();
+  }
+}
+
+bool Simulation::runUntil(double limit, const std::function<bool()>& done) {
+  for (const double end = now + limit; now < end;) {
+    step();
+    if (done()) return true;
+  }
+  return false;
+}
+
+void Simulation::arm() {
+  arm_switch = false;
+  ASSERT_TRUE(runUntil(10.0, [&] { return bridge->core().status().controller.known && fc.armingFlags() == 0; }));
+  run(0.2);
+  arm_switch = true;
+  ASSERT_TRUE(runUntil(1.0, [&] { return fc.armed() && bridge->core().status().controller.armed; }));
+  run(0.1);
+}
+
+Refusal Simulation::pulse(double throttle, double duration) {
+  Inbound item;
+  item.kind = Inbound::Kind::PULSE;
+  item.pulse.stamp = {1, session_, ++number_, now, 0.1};
+  item.pulse.pulse_id = ++pulse_id;
+  item.pulse.throttle = throttle;
+  item.pulse.duration = duration;
+  const std::int64_t refused = bridge->core().status().commands_refused;
+  bridge->inbox().push(item);
+  run(0.021);
+  return bridge->core().status().commands_refused > refused ? bridge->core().status().last_refusal : Refusal::NONE;
+}
+
+}  // namespace snapwing::link::test
