@@ -1,0 +1,174 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/dynamics/plant.h"
+#include "support/example_table.h"
+
+namespace snapwing::dynamics {
+namespace {
+
+using common::Mode;
+
+class PlantTest : public ::testing::Test {
+ protected:
+  PlantTest()
+      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+        table_(snapwing::testing::exampleTable()),
+        parameters_(common::realise(vehicle_, table_)) {}
+  Plant plant(const PlantSettings& settings = {}) const { return Plant(vehicle_, table_, parameters_, settings); }
+  static std::vector<double> all(double s) { return {s, s, s, s}; }
+  common::Vehicle vehicle_;
+  common::ForceTable table_;
+  common::VehicleParameters parameters_;
+};
+
+TEST_F(PlantTest, RestsInBothModes) {
+  for (const Mode mode : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+    Plant p = plant();
+    p.reset(mode);
+    p.advanceTo(2.0);
+    EXPECT_EQ(p.mode(), mode);
+    EXPECT_NEAR(p.state().ring_speed, 0.0, 1e-6);
+    EXPECT_NEAR(p.state().travelRate(), 0.0, 1e-6);
+    EXPECT_NEAR(p.centreSpecificForce(), 0.0, 1e-4);
+  }
+}
+
+TEST_F(PlantTest, LagOfEachRotorIsExponential) {
+  Plant p = plant();
+  p.reset(Mode::FIXED_WING);
+  p.setMotorOutputs({1.0, 0.5, 0.0, 2.0});  // clamped
+  p.advanceTo(0.03);
+  const double rise = 1.0 - std::exp(-0.03 / parameters_.time_constant_up);
+  const double full = parameters_.max_thrust / 4.0, q = parameters_.quadratic_share;
+  EXPECT_NEAR(p.state().rotor_thrust[0], full * rise, 1e-12);
+  EXPECT_NEAR(p.state().rotor_thrust[1], full * (0.25 * q + 0.5 * (1 - q)) * rise, 1e-12);
+  EXPECT_EQ(p.state().rotor_thrust[2], 0.0);
+  EXPECT_NEAR(p.state().rotor_thrust[3], full * rise, 1e-12);
+}
+
+TEST_F(PlantTest, KeepsMomentumAndEnergyWithoutLosses) {
+  parameters_.damping = parameters_.ring_drag = parameters_.centre_drag = 0.0;
+  PlantSettings settings;
+  settings.mount = PlantMount::FREE;
+  Plant p(vehicle_, table_, parameters_, settings);
+  p.reset(Mode::FIXED_WING);
+  // A kick by a short thrust, then nothing: thrust has died after a second.
+  p.setMotorOutputs(all(0.5));
+  p.advanceTo(0.05);
+  p.setMotorOutputs(all(0.0));
+  p.advanceTo(1.5);
+  const auto momentum = [&] {
+    return parameters_.ring_mass * p.state().ring_speed + parameters_.centre_mass * p.state().centre_speed;
+  };
+  const double before = momentum();
+  double least = INFINITY, most = -INFINITY;
+  for (double t = 1.5; t < 4.0; t += 0.001) {
+    p.advanceTo(t);
+    const double swing = std::abs(p.state().travel());
+    least = std::min(least, swing);
+    most = std::max(most, swing);
+  }
+  EXPECT_NEAR(momentum(), before, 1e-6);
+  EXPECT_GT(most, 1e-3);
+  EXPECT_LT(least, 1e-4);
+  double later = 0;
+  for (double t = 20.0; t < 22.0; t += 0.001) {
+    p.advanceTo(t);
+    later = std::max(later, std::abs(p.state().travel()));
+  }
+  EXPECT_NEAR(later, most, 1e-3 * most);  // the amplitude neither grows nor decays
+}
+
+TEST_F(PlantTest, HandBrakesGentlyAndHolds) {
+  Plant p = plant();
+  p.reset(Mode::QUADROTOR);
+  p.setMotorOutputs(all(0.5));
+  p.advanceTo(0.4);
+  p.setMotorOutputs(all(0.07));
+  p.advanceTo(0.8);
+  const double speed = p.state().ring_speed;
+  ASSERT_GT(speed, 2.0);
+  p.grab();
+  EXPECT_FALSE(p.atRest());
+  double t = 0.8;
+  while (!p.atRest() && t < 20.0) {
+    p.advanceTo(t += 0.01);
+    EXPECT_LE(p.state().ring_speed, speed + 1e-9);
+  }
+  EXPECT_GT(t - 0.8, 0.5 * speed / 2.5);  // not at once
+  EXPECT_LT(t, 10.0);
+  EXPECT_EQ(p.mode(), Mode::QUADROTOR);  // gentle enough not to flip it
+  const double position = p.state().ring_position;
+  p.advanceTo(t + 1.0);
+  EXPECT_EQ(p.state().ring_position, position);
+  p.release();
+  p.advanceTo(t + 2.0);
+  EXPECT_GT(p.state().ring_position, position);  // idle thrust moves it again
+}
+
+TEST_F(PlantTest, StopsTakeEnergyAndKeepMomentum) {
+  vehicle_.limits.travel_max = 0.060;
+  parameters_.ring_drag = parameters_.centre_drag = parameters_.boom_drag = parameters_.boom_friction = 0.0;
+  Plant p = plant();
+  p.reset(Mode::QUADROTOR);
+  p.setMotorOutputs(all(1.0));
+  double impulse = 0, most = 0;
+  for (double t = 0; t < 0.3; t += 1e-4) {
+    impulse += 1e-4 * p.state().thrust();
+    p.advanceTo(t + 1e-4);
+    most = std::max(most, p.state().travel());
+  }
+  EXPECT_LE(most, 0.060 + 1e-12);
+  EXPECT_GT(most, 0.0599);
+  const double momentum = (parameters_.ring_mass + parameters_.boom_mass) * p.state().ring_speed +
+                          parameters_.centre_mass * p.state().centre_speed;
+  EXPECT_NEAR(momentum, impulse, 0.01 * impulse);  // the sum above is a left-hand rule
+}
+
+TEST_F(PlantTest, HeldRingFeelsGravityOnly) {
+  PlantSettings settings;
+  settings.mount = PlantMount::HELD;
+  settings.gravity = 5.0;
+  Plant p = plant(settings);
+  p.reset(Mode::FIXED_WING);
+  p.setMotorOutputs(all(1.0));
+  p.advanceTo(3.0);
+  EXPECT_EQ(p.state().ring_position, 0.0);
+  EXPECT_NEAR(p.centreAcceleration(), 0.0, 1e-3);
+  EXPECT_NEAR(p.centreSpecificForce(), 5.0, 1e-3);
+  EXPECT_TRUE(p.atRest());
+}
+
+TEST_F(PlantTest, BadInputIsRefusedOrHarmless) {
+  Plant p = plant();
+  EXPECT_THROW(p.reset(Mode::UNKNOWN), common::Error);
+  EXPECT_THROW(p.setMotorOutputs({1.0}), common::Error);
+  p.reset(Mode::FIXED_WING);
+  p.setMotorOutputs({NAN, NAN, NAN, NAN});
+  p.advanceTo(0.5);
+  EXPECT_EQ(p.state().thrust(), 0.0);
+  p.advanceTo(0.1);  // the past does nothing
+  p.advanceTo(NAN);
+  EXPECT_EQ(p.state().time, 0.5);
+  PlantSettings settings;
+  settings.step = 0.0;
+  EXPECT_THROW(plant(settings), common::Error);
+}
+
+TEST_F(PlantTest, DrawsAreReproducibleAndDiffer) {
+  const common::VehicleParameters a = drawParameters(vehicle_, table_, 5), b = drawParameters(vehicle_, table_, 5);
+  const common::VehicleParameters c = drawParameters(vehicle_, table_, 6);
+  EXPECT_EQ(a.ring_drag, b.ring_drag);
+  EXPECT_NE(a.ring_drag, c.ring_drag);
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const common::VehicleParameters p = drawParameters(vehicle_, table_, seed);
+    EXPECT_GE(p.centre_mass, vehicle_.masses.centre.low());
+    EXPECT_LE(p.centre_mass, vehicle_.masses.centre.high());
+  }
+}
+
+}  // namespace
+}  // namespace snapwing::dynamics

@@ -1,0 +1,181 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/vehicle.h"
+#include "snapwing/rom/lumped_model.h"
+#include "support/example_table.h"
+
+namespace snapwing::rom {
+namespace {
+
+using common::Mode;
+
+class Prediction : public ::testing::Test {
+ protected:
+  Prediction()
+      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+        table_(snapwing::testing::exampleTable()),
+        model_(LumpedModel::fromVehicle(vehicle_, table_, common::realise(vehicle_, table_))) {
+    trial_.mount = Mount::BOOM;
+  }
+  SnapPrediction predict(Mode start, double throttle, double duration) const {
+    return model_.predict(start, {throttle, duration}, vehicle_.radio, trial_);
+  }
+  common::Vehicle vehicle_;
+  common::ForceTable table_;
+  LumpedModel model_;
+  Trial trial_;
+};
+
+TEST_F(Prediction, SwitchesAndMarginAgreeOverAGridOfPulses) {
+  int switched = 0, stayed = 0;
+  for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+    for (double throttle = 0.0; throttle <= 1.0; throttle += 0.125) {
+      for (double duration = 0.0; duration <= 1.2; duration += 0.1) {
+        const SnapPrediction p = predict(start, throttle, duration);
+        ASSERT_TRUE(std::isfinite(p.energy_margin));
+        EXPECT_LE(p.least_travel, p.peak_travel);
+        if (p.snapped) {
+          ++switched;
+          EXPECT_EQ(p.end_mode, common::otherMode(start));
+          EXPECT_GE(p.energy_margin, 0.0);
+          EXPECT_TRUE(std::isfinite(p.snap_time));
+        } else {
+          ++stayed;
+          EXPECT_LE(p.energy_margin, 0.0) << throttle << " " << duration;
+        }
+      }
+    }
+  }
+  EXPECT_GT(switched, 30);
+  EXPECT_GT(stayed, 30);
+}
+
+TEST_F(Prediction, TheTwoPulsesOfThePaperSwitchTheShippedVehicle) {
+  const SnapPrediction up = predict(Mode::FIXED_WING, 0.65, 0.2);
+  EXPECT_TRUE(up.snapped);
+  EXPECT_GT(up.energy_margin, 0.1);
+  const SnapPrediction back = predict(Mode::QUADROTOR, 1.0, 0.85);
+  EXPECT_TRUE(back.snapped);
+  EXPECT_GT(back.energy_margin, 0.1);
+}
+
+TEST_F(Prediction, NothingHappensWithoutAPulse) {
+  for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+    for (const auto& [throttle, duration] : {std::pair{0.0, 0.5}, std::pair{1.0, 0.0}}) {
+      const SnapPrediction p = predict(start, throttle, duration);
+      EXPECT_EQ(p.end_mode, start);
+      EXPECT_FALSE(p.snapped);
+      EXPECT_TRUE(std::isnan(p.snap_time));
+      EXPECT_LT(p.energy_margin, -0.5);
+      EXPECT_LT(p.peak_travel - p.least_travel, 2e-3);
+    }
+  }
+}
+
+TEST_F(Prediction, SettledEndStaysWhereItIs) {
+  // The early end of the integration must not hide a later change: watch five seconds more by settling never.
+  LumpedSettings patient;
+  patient.settled_share = 1e-9;
+  const LumpedModel slow = LumpedModel::fromVehicle(vehicle_, table_, model_.parameters(), patient);
+  trial_.horizon = 5.0;
+  for (const double throttle : {0.4, 0.45, 0.5, 0.65, 0.8, 1.0}) {
+    for (const double duration : {0.1, 0.3, 0.6, 0.9, 1.2}) {
+      for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+        const double barrier = model_.potential().equilibria().barrier;
+        const SnapPrediction quick = predict(start, throttle, duration);
+        const SnapPrediction full = slow.predict(start, {throttle, duration}, vehicle_.radio, trial_);
+        EXPECT_EQ(quick.end_mode == Mode::QUADROTOR, full.end_travel > barrier) << throttle << " " << duration;
+      }
+    }
+  }
+}
+
+TEST_F(Prediction, StepHardlyMatters) {
+  LumpedSettings fine;
+  fine.step = 5e-5;
+  const LumpedModel exact = LumpedModel::fromVehicle(vehicle_, table_, model_.parameters(), fine);
+  for (const auto& [throttle, duration] : {std::pair{0.65, 0.2}, std::pair{1.0, 0.85}}) {
+    const Mode start = throttle < 1 ? Mode::FIXED_WING : Mode::QUADROTOR;
+    const SnapPrediction a = predict(start, throttle, duration);
+    const SnapPrediction b = exact.predict(start, {throttle, duration}, vehicle_.radio, trial_);
+    EXPECT_NEAR(a.peak_travel, b.peak_travel, 2e-5);
+    EXPECT_NEAR(a.snap_time, b.snap_time, 1e-4);
+    EXPECT_NEAR(a.energy_margin, b.energy_margin, 5e-3);
+  }
+}
+
+TEST_F(Prediction, BoomOnlyMattersOnTheBoom) {
+  common::VehicleParameters p = model_.parameters();
+  p.boom_mass *= 2;
+  p.boom_drag *= 2;
+  p.boom_friction *= 2;
+  const LumpedModel heavy = LumpedModel::fromVehicle(vehicle_, table_, p);
+  EXPECT_NE(heavy.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel,
+            model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel);
+  trial_.mount = Mount::FREE;
+  EXPECT_EQ(heavy.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel,
+            model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel);
+}
+
+TEST_F(Prediction, LatencyDelaysAndNothingElse) {
+  common::VehicleParameters p = model_.parameters();
+  p.latency = 0.0;
+  Trial rest;  // free and level, so that waiting changes nothing but the idle thrust's drift
+  rest.initial_thrust_fraction = 0.0;
+  const LumpedModel early = LumpedModel::fromVehicle(vehicle_, table_, p);
+  p.latency = 0.2;
+  const LumpedModel late = LumpedModel::fromVehicle(vehicle_, table_, p);
+  const SnapPrediction a = early.predict(Mode::FIXED_WING, 0.5, 0.2, rest);
+  const SnapPrediction b = late.predict(Mode::FIXED_WING, 0.5, 0.2, rest);
+  EXPECT_NEAR(b.snap_time - a.snap_time, 0.2, 1e-9);
+  EXPECT_NEAR(b.peak_travel, a.peak_travel, 1e-12);
+}
+
+TEST_F(Prediction, TellsWhenTheTableIsLeft) {
+  common::ForceTable cut = table_;
+  while (cut.travel.back() > 0.060) {
+    cut.travel.pop_back(), cut.force.pop_back(), cut.stiffness.pop_back(), cut.energy.pop_back();
+    cut.rotation.pop_back(), cut.min_det_f.pop_back(), cut.stable.pop_back(), cut.iterations.pop_back();
+  }
+  const LumpedModel model = LumpedModel::fromVehicle(vehicle_, cut, model_.parameters());
+  EXPECT_TRUE(model.predict(Mode::QUADROTOR, 1.0, 0.3, trial_).out_of_table);
+  EXPECT_FALSE(model_.predict(Mode::QUADROTOR, 0.3, 0.3, trial_).out_of_table);
+}
+
+TEST_F(Prediction, ObserverSeesTheMotionAndMayStopIt) {
+  double last = -1;
+  int seen = 0;
+  model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_, [&](const LumpedState& s) {
+    EXPECT_GT(s.time, last);
+    last = s.time;
+    return ++seen < 50;
+  });
+  EXPECT_EQ(seen, 50);
+}
+
+TEST_F(Prediction, SameInputSameBits) {
+  const SnapPrediction a = predict(Mode::QUADROTOR, 0.93, 0.77), b = predict(Mode::QUADROTOR, 0.93, 0.77);
+  EXPECT_EQ(a.energy_margin, b.energy_margin);
+  EXPECT_EQ(a.end_travel, b.end_travel);
+}
+
+TEST_F(Prediction, RefusesNonsense) {
+  EXPECT_THROW(predict(Mode::UNKNOWN, 0.5, 0.2), common::Error);
+  EXPECT_THROW(predict(Mode::FIXED_WING, NAN, 0.2), common::Error);
+  EXPECT_THROW(predict(Mode::FIXED_WING, 1.2, 0.2), common::Error);
+  EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, -0.1), common::Error);
+  EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, NAN), common::Error);
+  trial_.gravity = NAN;
+  EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, 0.2), common::Error);
+  trial_ = Trial{};
+  trial_.mount = Mount::HELD;
+  trial_.initial_speed = 1.0;
+  EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, 0.2), common::Error);
+  EXPECT_THROW(mountFromName("table"), common::Error);
+}
+
+}  // namespace
+}  // namespace snapwing::rom
