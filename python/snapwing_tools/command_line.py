@@ -10,6 +10,15 @@ from snapwing_tools.errors import InputError
 TIMEOUT_SECONDS = 300
 
 
+def find_program():
+    """The snapwing program of the sourced workspace, or None."""
+    for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep):
+        program = os.path.join(prefix, "lib", "snapwing", "snapwing")
+        if prefix and os.access(program, os.X_OK):
+            return program
+    return None
+
+
 class CommandLine:
     """Runs one snapwing program and remembers the command lines."""
 

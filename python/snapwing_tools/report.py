@@ -143,8 +143,8 @@ def missing_notes(inputs, switches):
     for topic in run.missing_topics():
         notes.append("Nothing was recorded of {}: no {}.".format(topic.name, topic.needed_for))
     if run.attributes.get("ended") == "recording":
-        notes.append("The recorder did not end by itself; this is its last automatic save, at {:.1f} s.".format(
-            analysis.last_time(run)))
+        notes.append("The recorder did not end by itself: it still ran, or it was killed. This is its last automatic "
+                     "save; the record ends at {:.1f} s.".format(analysis.last_time(run)))
     for switch in switches:
         if switch.plan is None and run.has("transition_plan"):
             notes.append("{}: no accepted plan belongs to this pulse, so nothing was predicted.".format(switch.name))

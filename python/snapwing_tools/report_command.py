@@ -9,7 +9,7 @@ import tempfile
 from snapwing_tools import inputs as readers
 from snapwing_tools import style
 from snapwing_tools.analysis import EXPECTED
-from snapwing_tools.command_line import CommandLine
+from snapwing_tools.command_line import CommandLine, find_program
 from snapwing_tools.errors import InputError
 from snapwing_tools.report import Inputs, Report, terminal_summary
 from snapwing_tools.run_file import read_run
@@ -33,7 +33,7 @@ def parser():
     made.add_argument("--trajectory", nargs=2, action="append", default=[], metavar=("F|Q", "CSV"),
                       help="predicted trajectory of the pulse from F or Q (snapwing predict --csv)")
     made.add_argument("--snapwing", metavar="PROGRAM", help="snapwing command line: computes the maps and trajectories "
-                      "that are not given; needs --vehicle")
+                      "that are not given; 'auto' looks for it in the sourced workspace; needs --vehicle")
     made.add_argument("--trial", default="", metavar="OPTIONS", help="options that the run's trial needs in "
                       "'snapwing plan' and 'snapwing predict', as one text, e.g. --trial='--mount boom'")
     made.add_argument("--map-size", type=int, default=21, metavar="N", help="pulses along each side of a map that "
@@ -113,7 +113,10 @@ def _gather_table(made, options):
 
 def _ask_command_line(made, options, folder):
     """Fills in maps and trajectories that were not given."""
-    if not options.snapwing:
+    program_file = find_program() if options.snapwing == "auto" else options.snapwing
+    if options.snapwing == "auto" and program_file is None:
+        made.notes.append("The snapwing program was not found in the workspace (CMAKE_PREFIX_PATH).")
+    if not program_file:
         for name in EXPECTED:
             if name not in made.maps:
                 made.notes.append("{}: no outcome map (give --map or --snapwing).".format(name))
@@ -124,7 +127,7 @@ def _ask_command_line(made, options, folder):
         raise InputError("--snapwing needs --vehicle")
     if not 2 <= options.map_size <= 200:
         raise InputError("--map-size {}: expected 2 .. 200".format(options.map_size))
-    program = CommandLine(options.snapwing, options.vehicle, shlex.split(options.trial) + (
+    program = CommandLine(program_file, options.vehicle, shlex.split(options.trial) + (
         ["--table", options.table] if options.table else []))
     pulses = {switch.name: switch for switch in Report(made).switches}
     for name in EXPECTED:

@@ -14,6 +14,9 @@ from snapwing_tools import run_file, topics
 from snapwing_tools.errors import InputError
 
 
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+
 class FakeRospy(types.ModuleType):
     """Gives parameters, keeps the subscribers' callbacks, and shuts down after some polls."""
 
@@ -136,6 +139,25 @@ class Node(unittest.TestCase):
         self.assertEqual((name, answer.success, answer.message), ("~save", True, self.output))
         self.assertEqual([ended, answers[1]], ["saved on request", "saved on request"])
         self.assertEqual(run_file.read_run(self.output).attributes["ended"], "closed")
+
+    def test_after_a_run_the_recorder_saves_and_the_report_is_made(self):
+        synthetic_run.make_buffer().save(self.output, "saved on request")
+        vehicle = os.path.join(ROOT, "config", "vehicles", "arris_x220.yaml")
+        self.rospy.ROSException, self.rospy.ServiceException = OSError, ValueError
+        self.rospy.wait_for_service = mock.Mock()
+        answer = types.SimpleNamespace(success=True, message="")
+        self.rospy.ServiceProxy = mock.Mock(return_value=lambda: answer)
+        sys.modules.pop("snapwing_tools.after_run", None)
+        after_run = importlib.import_module("snapwing_tools.after_run")
+        with mock.patch("builtins.print"), mock.patch.dict(os.environ, {"CMAKE_PREFIX_PATH": ""}):
+            self.assertEqual(after_run.make_report(self.folder.name, vehicle), "")
+        self.assertEqual(self.rospy.ServiceProxy.call_args[0][0], "record_run/save")
+        self.assertTrue(os.path.isfile(os.path.join(self.folder.name, "report.html")))
+        answer.success, answer.message = False, "disk full"
+        self.assertEqual(after_run.make_report(self.folder.name, vehicle), "disk full")
+        self.rospy.wait_for_service.side_effect = OSError("timeout")
+        self.assertIn("does not answer: timeout", after_run.make_report(self.folder.name, vehicle))
+        sys.modules.pop("snapwing_tools.after_run", None)
 
     def test_parameters_of_all_nodes_are_kept(self):
         with mock.patch("builtins.print"):

@@ -9,6 +9,7 @@ import stat
 import tempfile
 import unittest
 from html.parser import HTMLParser
+from unittest import mock
 
 import synthetic_run
 from snapwing_tools import inputs, report_command, scenario_summary, style
@@ -257,6 +258,17 @@ class Command(unittest.TestCase):
         made.plans["F->Q"] = plan
         report = Report(made)
         self.assertIn(", another pulse</text>", report.html(report.figures()))
+
+    def test_program_of_the_workspace_is_found(self):
+        os.makedirs(self.path("devel/lib/snapwing"))
+        program = self.program("echo from the workspace; exit 2\n")
+        os.rename(program, self.path("devel/lib/snapwing/snapwing"))
+        for prefix, expected in ((self.path("devel"), "ended with 2: from the workspace"),
+                                 (self.path("absent"), "was not found in the workspace")):
+            with mock.patch.dict(os.environ, {"CMAKE_PREFIX_PATH": self.path("other") + ":" + prefix}):
+                code, out, _ = self.make(self.good, "--vehicle", VEHICLE, "--snapwing", "auto")
+            self.assertEqual(code, 0)
+            self.assertIn(expected, out)
 
     def test_command_line_that_fails_is_reported(self):
         program = self.program("echo no table >&2; exit 2\n")

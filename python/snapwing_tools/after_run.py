@@ -1,0 +1,24 @@
+"""For a node that has finished a run and wants its report while the recorder still runs."""
+
+import os
+
+import rospy
+from std_srvs.srv import Trigger
+
+from snapwing_tools import report_command
+
+
+def make_report(folder, vehicle_file, recorder="record_run", patience=5.0):
+    """Has `recorder` save folder/run.h5 and makes folder/report.html of it, with folder/run_summary.json if it is there.
+    Blocks for some seconds up to a minute. Returns "" or, in one line, why there is no report."""
+    service = recorder + "/save"
+    try:
+        rospy.wait_for_service(service, patience)
+        answer = rospy.ServiceProxy(service, Trigger)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        return "the recorder does not answer: {}".format(error)
+    if not answer.success:
+        return answer.message
+    arguments = [os.path.join(folder, "run.h5"), "--vehicle", vehicle_file, "--snapwing", "auto",
+                 "-o", os.path.join(folder, "report.html")]
+    return "" if report_command.main(arguments) == 0 else "make_report failed; its message is above"
