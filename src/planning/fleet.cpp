@@ -70,6 +70,14 @@ double Fleet::margin(const rom::SnapPrediction& prediction) const {
   return beyond > 0 ? std::min(prediction.energy_margin, -beyond / 0.010) : prediction.energy_margin;
 }
 
+double FleetOutcome::reached(double share) const {
+  const auto allowed = static_cast<std::size_t>((1.0 - share) * static_cast<double>(margins.size()) + 1e-9);
+  if (allowed == 0) return worst;
+  std::vector<double> sorted = margins;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(allowed), sorted.end());
+  return sorted[allowed];
+}
+
 FleetOutcome Fleet::tryPulse(common::Mode start, const common::Pulse& pulse, const rom::Trial& trial, double give_up,
                              int threads) const {
   constexpr int BLOCK = 16;
@@ -93,7 +101,7 @@ FleetOutcome Fleet::tryPulse(common::Mode start, const common::Pulse& pulse, con
         outcome.worst_index = first + i;
       }
     }
-    if (outcome.worst < give_up) break;
+    if (settings_.required_share >= 1.0 && outcome.worst < give_up) break;
   }
   return outcome;
 }

@@ -20,6 +20,8 @@ struct FleetOutcome {
   int switched = 0;     ///< how many ended in the target mode
   int tried = 0;
   std::vector<double> margins;  ///< of those tried, in order
+  /// Margin that the wanted share of the vehicles reaches; the worst if all must.
+  double reached(double share) const;
 };
 
 class Fleet {
@@ -45,7 +47,8 @@ class Fleet {
   /// Margin that counts: the model's, or less if the travel leaves what is known.
   double margin(const rom::SnapPrediction& prediction) const;
 
-  /// Tries a pulse on all vehicles, in order; gives up after a block whose worst is below `give_up`.
+  /// Tries a pulse on all vehicles, in order; if all must switch, gives up after a block whose
+  /// worst is below `give_up`.
   FleetOutcome tryPulse(common::Mode start, const common::Pulse& pulse, const rom::Trial& trial, double give_up,
                         int threads) const;
 

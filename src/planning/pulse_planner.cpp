@@ -48,10 +48,12 @@ class Search {
   /// Takes the worst of a check into the search.
   void learn(const common::Pulse& pulse, const FleetOutcome& checked);
 
-  /// What is maximised: worst margin, capped where there is enough of it, less the price of the impulse.
-  double value(const common::Pulse& pulse, double worst) const {
-    if (worst <= 0) return worst;
-    return std::min(worst, settings_.enough_margin) - settings_.impulse_price * pulse.throttle * pulse.duration;
+  /// What is maximised: worst margin (of the share that must switch), capped where there is enough of it, less the
+  /// price of the impulse.
+  double value(const common::Pulse& pulse, const FleetOutcome& outcome) const {
+    const double margin = outcome.reached(settings_.required_share);
+    if (!(margin > 0)) return margin;
+    return std::min(margin, settings_.enough_margin) - settings_.impulse_price * pulse.throttle * pulse.duration;
   }
   bool cancelled() const { return cancelled_ && cancelled_(); }
   const Fleet& checkedFleet() const { return checked_; }
@@ -90,7 +92,7 @@ void Search::scan() {
     for (int j = 0; j < s.scan_durations; ++j) {
       ++evaluations_;
       predictions_ += outcomes[j].tried;
-      const double v = value(pulseAt(j), outcomes[j].worst);
+      const double v = value(pulseAt(j), outcomes[j]);
       best_value = std::max(best_value, v);
       found.emplace_back(v, pulseAt(j));
     }
@@ -107,7 +109,7 @@ common::Pulse Search::bestCandidate() {
     const FleetOutcome outcome = fleet_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
     ++evaluations_;
     predictions_ += outcome.tried;
-    const double v = value(pulse, outcome.worst);
+    const double v = value(pulse, outcome);
     if (v > best_value) {
       best_value = v;
       best = pulse;
@@ -155,7 +157,7 @@ common::Pulse Search::refine(const common::Pulse& from) {
             search.fleet_.tryPulse(search.start_, pulse, search.trial_, -INFINITY, search.settings_.threads);
         ++search.evaluations_;
         search.predictions_ += outcome.tried;
-        const double v = search.value(pulse, outcome.worst);
+        const double v = search.value(pulse, outcome);
         if (v > *c.best_value) {
           *c.best_value = v;
           *c.best = pulse;
@@ -292,14 +294,14 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
   for (int round = 0; round < ROUNDS && !search.cancelled(); ++round) {
     candidate = search.refine(search.bestCandidate());
     const FleetOutcome checked = search.check(candidate);
-    const double gain = search.value(candidate, checked.worst) - search.value(pulse, outcome.worst);
+    const double gain = search.value(candidate, checked) - search.value(pulse, outcome);
     if (gain > 0) {
       pulse = candidate;
       outcome = checked;
     }
     // Enough, or two rounds that brought nothing.
     idle_rounds = gain > 0.01 ? 0 : idle_rounds + 1;
-    if (checked.worst >= 0.9 * settings_.enough_margin || idle_rounds == 2) break;
+    if (checked.reached(settings_.required_share) >= 0.9 * settings_.enough_margin || idle_rounds == 2) break;
     search.learn(candidate, checked);
   }
   if (search.cancelled()) return refused(plan, "cancelled");
@@ -322,9 +324,8 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
                             " s, worst margin " + number(plan.worst_margin) + ", " +
                             number(100.0 * plan.share_switched, 4) + " % switch; defeated by " +
                             describeCorner(plan.worst_coordinates, plan.influences);
-  const bool strict = settings_.required_share >= 1.0;
-  const bool enough = strict ? plan.worst_margin >= settings_.required_margin && plan.share_switched >= 1.0
-                             : plan.share_switched >= settings_.required_share;
+  const bool enough = outcome.reached(settings_.required_share) >= settings_.required_margin &&
+                      plan.share_switched >= settings_.required_share;
   if (!enough) return refused(plan, "no pulse is safe over the uncertainty; " + found);
   plan.accepted = true;
   std::stable_sort(plan.influences.begin(), plan.influences.end(), [](const auto& a, const auto& b) {

@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "snapwing/planning/accident_margins.h"
+#include "support/example_table.h"
+
+namespace snapwing::planning {
+namespace {
+
+const AccidentMargin& find(const std::vector<AccidentMargin>& list, const std::string& name) {
+  for (const AccidentMargin& m : list) {
+    if (m.name == name) return m;
+  }
+  throw std::runtime_error("no margin named " + name);
+}
+
+TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
+  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const auto list = accidentMargins(vehicle, snapwing::testing::exampleTable());
+  // facts/physics.md: F survives 8.0 N of sudden thrust (hover needs 7.68), holds 3.9 of 4 N, inverted Q does not hold.
+  // Its masses and damping are its own.
+  const AccidentMargin& thrust = find(list, "sudden thrust in F");
+  EXPECT_NEAR(thrust.limit, 8.0, 0.8);
+  EXPECT_NEAR(thrust.occurs, 7.68, 0.01);
+  EXPECT_NEAR(find(list, "ring held upright in F").limit, 4.1, 0.05);
+  EXPECT_TRUE(find(list, "ring held upright in F").holds);
+  EXPECT_FALSE(find(list, "ring held inverted in Q").holds);
+  // Below this speed the drag alone never takes Q away; above it the lag of the motors gives some time, in which drag
+  // and gravity slow the climb.
+  const common::VehicleParameters p = common::realise(vehicle, snapwing::testing::exampleTable());
+  const double mass = p.ring_mass * p.centre_mass / (p.ring_mass + p.centre_mass);
+  const double per_speed = mass * (p.ring_drag / p.ring_mass - p.centre_drag / p.centre_mass);
+  const double still = std::sqrt(2.21 / per_speed);
+  const AccidentMargin& climb = find(list, "thrust cut while climbing in Q");
+  EXPECT_GT(climb.limit, still);
+  EXPECT_LT(climb.limit, 1.5 * still);
+  EXPECT_TRUE(find(list, "hover thrust cut in Q").holds);
+}
+
+TEST(AccidentMargins, FollowTheForceScale) {
+  common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const auto soft = accidentMargins(vehicle, snapwing::testing::exampleTable());
+  vehicle.arm.force_scale.value = 2.0;
+  const auto stiff = accidentMargins(vehicle, snapwing::testing::exampleTable());
+  for (std::size_t i = 0; i < soft.size(); ++i) EXPECT_GE(stiff[i].limit, soft[i].limit) << soft[i].name;
+  EXPECT_NEAR(find(stiff, "ring held inverted in Q").limit, 2.0 * find(soft, "ring held inverted in Q").limit, 1e-9);
+}
+
+}  // namespace
+}  // namespace snapwing::planning

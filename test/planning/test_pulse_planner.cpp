@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/dynamics/plant.h"
+#include "snapwing/planning/pulse_planner.h"
+#include "support/example_table.h"
+
+namespace snapwing::planning {
+namespace {
+
+using common::Mode;
+
+class PlannerTest : public ::testing::Test {
+ protected:
+  PlannerTest()
+      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+        table_(snapwing::testing::exampleTable()) {
+    trial_.mount = rom::Mount::BOOM;
+    quick_.search_samples = 16;
+    quick_.verify_samples = 32;
+    quick_.scan_throttles = quick_.scan_durations = 8;
+    quick_.refine_evaluations = 15;
+  }
+  common::Vehicle vehicle_;
+  common::ForceTable table_;
+  rom::Trial trial_;
+  PlannerSettings quick_;
+};
+
+TEST_F(PlannerTest, FindsBothDirectionsForTheShippedVehicle) {
+  const PulsePlanner planner(vehicle_, table_);
+  const TransitionPlan up = planner.plan(Mode::FIXED_WING, trial_);
+  EXPECT_TRUE(up.accepted) << up.reason;
+  EXPECT_EQ(up.share_switched, 1.0);
+  EXPECT_GE(up.worst_margin, planner.settings().required_margin);
+  EXPECT_GT(up.realisations, 512);
+  EXPECT_TRUE(up.nominal.snapped);
+  EXPECT_GE(up.nominal.energy_margin, up.worst_margin);
+  EXPECT_LT(up.pulse.throttle, 0.9);  // short and mid-range, as in the paper
+  EXPECT_LT(up.pulse.duration, 0.4);
+
+  const TransitionPlan back = planner.plan(Mode::QUADROTOR, trial_);
+  EXPECT_TRUE(back.accepted) << back.reason;
+  EXPECT_GT(back.pulse.throttle, 0.9);  // long and full
+  EXPECT_GT(back.pulse.duration, 0.5);
+}
+
+TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
+  // The plant is other code with other integration; its vehicles are drawn from the same box.
+  PlannerSettings settings;
+  settings.verify_samples = 128;
+  const PulsePlanner planner(vehicle_, table_, settings);
+  for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+    const TransitionPlan plan = planner.plan(start, trial_);
+    ASSERT_TRUE(plan.accepted) << plan.reason;
+    const double idle = common::motorOutput(vehicle_.radio, 0.0);
+    const double high = common::motorOutput(vehicle_.radio, plan.pulse.throttle);
+    int switched = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed));
+      plant.reset(start);
+      plant.setMotorOutputs({high, high, high, high});
+      plant.advanceTo(plan.pulse.duration);
+      plant.setMotorOutputs({idle, idle, idle, idle});
+      plant.advanceTo(plan.pulse.duration + 1.5);
+      switched += plant.mode() == common::otherMode(start);
+    }
+    EXPECT_EQ(switched, 40) << common::modeName(start);
+  }
+}
+
+TEST_F(PlannerTest, SameBitsForAnyNumberOfThreads) {
+  quick_.threads = 1;
+  const TransitionPlan one = PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, trial_);
+  quick_.threads = 3;
+  const TransitionPlan three = PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, trial_);
+  EXPECT_EQ(one.pulse.throttle, three.pulse.throttle);
+  EXPECT_EQ(one.pulse.duration, three.pulse.duration);
+  EXPECT_EQ(one.worst_margin, three.worst_margin);
+  EXPECT_EQ(one.evaluations, three.evaluations);
+  const OutcomeMap a = PulsePlanner(vehicle_, table_, quick_).map(Mode::FIXED_WING, trial_, 5, 4);
+  quick_.threads = 1;
+  const OutcomeMap b = PulsePlanner(vehicle_, table_, quick_).map(Mode::FIXED_WING, trial_, 5, 4);
+  ASSERT_EQ(a.cells.size(), 20u);
+  for (std::size_t i = 0; i < a.cells.size(); ++i) EXPECT_EQ(a.cells[i].worst_margin, b.cells[i].worst_margin);
+}
+
+TEST_F(PlannerTest, RefusesATargetThatIsTheStart) {
+  const TransitionPlan plan = PulsePlanner(vehicle_, table_, quick_).plan(Mode::QUADROTOR, Mode::QUADROTOR, trial_);
+  EXPECT_FALSE(plan.accepted);
+  EXPECT_NE(plan.reason.find("already"), std::string::npos) << plan.reason;
+  EXPECT_EQ(plan.realisations, 0);
+}
+
+TEST_F(PlannerTest, RefusesUnknownModes) {
+  const PulsePlanner planner(vehicle_, table_, quick_);
+  EXPECT_FALSE(planner.plan(Mode::UNKNOWN, Mode::QUADROTOR, trial_).accepted);
+  EXPECT_FALSE(planner.plan(Mode::FIXED_WING, Mode::UNKNOWN, trial_).accepted);
+}
+
+TEST_F(PlannerTest, RefusesACurveWithoutASecondMode) {
+  for (std::size_t i = 0; i < table_.travel.size(); ++i) {
+    table_.force[i] = 100.0 * table_.travel[i];
+    table_.stiffness[i] = 100.0;
+    table_.energy[i] = 50.0 * table_.travel[i] * table_.travel[i];
+  }
+  const TransitionPlan plan = PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, trial_);
+  EXPECT_FALSE(plan.accepted);
+  EXPECT_NE(plan.reason.find("bistable"), std::string::npos) << plan.reason;
+}
+
+TEST_F(PlannerTest, RefusesWhenTheMotorsAreTooWeak) {
+  vehicle_.rotors.max_thrust = {1.0, 0.05};  // 4 N in all: below the arms' peak force
+  const TransitionPlan plan = PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, trial_);
+  EXPECT_FALSE(plan.accepted);
+  EXPECT_EQ(plan.share_switched, 0.0);
+  EXPECT_LT(plan.worst_margin, 0.0);
+  EXPECT_NE(plan.reason.find("worst margin"), std::string::npos) << plan.reason;
+}
+
+TEST_F(PlannerTest, NamesTheParameterThatDefeatsIt) {
+  vehicle_.drag.ring_cda = {0.02, 0.0195};  // hardly anything is known of the drag that the way back rests on
+  const TransitionPlan plan = PulsePlanner(vehicle_, table_, quick_).plan(Mode::QUADROTOR, trial_);
+  EXPECT_FALSE(plan.accepted);
+  EXPECT_NE(plan.reason.find("drag.ring_cda low"), std::string::npos) << plan.reason;
+  quick_.required_share = 0.5;  // a caller may accept less, knowingly
+  const TransitionPlan lenient = PulsePlanner(vehicle_, table_, quick_).plan(Mode::QUADROTOR, trial_);
+  EXPECT_TRUE(lenient.accepted) << lenient.reason;
+  EXPECT_LT(lenient.share_switched, 1.0);
+  EXPECT_GE(lenient.share_switched, 0.5);
+  EXPECT_LT(lenient.worst_margin, 0.0);
+}
+
+TEST_F(PlannerTest, StopsWhenCancelled) {
+  int polls = 0;
+  const TransitionPlan plan =
+      PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, Mode::QUADROTOR, trial_, [&] {
+        return ++polls > 3;
+      });
+  EXPECT_FALSE(plan.accepted);
+  EXPECT_EQ(plan.reason, "cancelled");
+}
+
+TEST_F(PlannerTest, MapAgreesWithThePlan) {
+  const OutcomeMap map = PulsePlanner(vehicle_, table_, quick_).map(Mode::FIXED_WING, trial_, 10, 6);
+  double best = -INFINITY;
+  int safe = 0, never = 0;
+  for (const OutcomeCell& cell : map.cells) {
+    best = std::max(best, cell.worst_margin);
+    safe += cell.share == 1.0;
+    never += cell.share == 0.0;
+    if (cell.worst_margin > 0) {
+      EXPECT_EQ(cell.share, 1.0) << cell.throttle << " " << cell.duration;
+    }
+  }
+  EXPECT_GT(best, 0.2);
+  EXPECT_GT(safe, 5);
+  EXPECT_GT(never, 5);
+}
+
+TEST_F(PlannerTest, RefusesBadSettings) {
+  quick_.duration_min = 2.0;
+  EXPECT_THROW(PulsePlanner(vehicle_, table_, quick_), common::Error);
+  quick_ = PlannerSettings{};
+  quick_.required_margin = NAN;
+  EXPECT_THROW(PulsePlanner(vehicle_, table_, quick_), common::Error);
+  quick_ = PlannerSettings{};
+  quick_.threads = 0;
+  EXPECT_THROW(PulsePlanner(vehicle_, table_, quick_), common::Error);
+}
+
+}  // namespace
+}  // namespace snapwing::planning
