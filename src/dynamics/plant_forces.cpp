@@ -61,13 +61,14 @@ double Plant::armRotation() const {
   return (1.0 - p.t) * table_.rotation[p.k] + p.t * table_.rotation[p.k + 1];
 }
 
-double Plant::handForce(double ring_speed, double travel) const {
+double Plant::handForce(double ring_speed, double travel, double thrust) const {
   if (!hand_) return 0.0;
   const double mass = ring_mass_ + parameters_.centre_mass;
   // The experimenter sees the shape and is gentle where a jerk would flip it.
   const double bound =
       mass * (travel > features_.barrier_travel ? settings_.hand_deceleration_q : settings_.hand_deceleration_f);
-  return -std::clamp(mass * ring_speed / HAND_TIME, -bound, bound);
+  // It feels what the motors still push and holds against it: else idle motors would keep the boom creeping.
+  return -std::clamp(mass * ring_speed / HAND_TIME, -bound, bound) - thrust;
 }
 
 Plant::Rates Plant::accelerations(double ring_position, double ring_speed, double centre_position, double centre_speed,
@@ -80,7 +81,7 @@ Plant::Rates Plant::accelerations(double ring_position, double ring_speed, doubl
   if (ringFixed()) return rates;
   const double ring_drag = ring_drag_ * std::abs(ring_speed) * ring_speed;
   const double rub = friction_ * std::tanh(ring_speed / FRICTION_SPEED);
-  rates.ring = (thrust - ring_drag - rub + handForce(ring_speed, travel) - arms) / ring_mass_ - settings_.gravity;
+  rates.ring = (thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) - arms) / ring_mass_ - settings_.gravity;
   return rates;
 }
 

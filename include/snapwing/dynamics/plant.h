@@ -80,7 +80,7 @@ class Plant {
   };
   double armForce(double travel) const;
   double armEnergy(double travel) const;
-  double handForce(double ring_speed, double travel) const;
+  double handForce(double ring_speed, double travel, double thrust) const;
   Rates accelerations(double ring_position, double ring_speed, double centre_position, double centre_speed,
                       double thrust) const;
   Rates present() const;
