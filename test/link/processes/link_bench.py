@@ -1,0 +1,208 @@
+"""Real programs on the loopback: stand-in flight controller, radio bridge, operator's console. Used by the process tests and
+by the fault table. Times are seconds of the monotonic clock that all of them share."""
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+
+IDLE = 1070  # us, armed and throttle low
+OFF = 1000
+
+
+def free_port(kind):
+    with contextlib.closing(socket.socket(socket.AF_INET, kind)) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def wait_for(condition, timeout, what):
+    deadline = time.monotonic() + timeout
+    while time.monotonic() < deadline:
+        if condition():
+            return
+        time.sleep(0.002)
+    raise AssertionError(f"not within {timeout} s: {what}")
+
+
+class Process:
+    """A child whose output lines are read by a thread and handed to `on_line`."""
+
+    def __init__(self, command, on_line=None, **options):
+        self.child = subprocess.Popen([str(part) for part in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                      stderr=subprocess.STDOUT, text=True, bufsize=1, **options)
+        self.lines = []
+        self.on_line = on_line
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+
+    def _read(self):
+        for line in self.child.stdout:
+            if self.on_line:
+                self.on_line(line)
+            else:
+                self.lines.append(line.rstrip())
+
+    def signal(self, number):
+        self.child.send_signal(number)
+
+    def send(self, line):
+        self.child.stdin.write(line + "\n")
+        self.child.stdin.flush()
+
+    def kill(self):
+        if self.child.poll() is None:
+            self.child.send_signal(signal.SIGCONT)
+            self.child.kill()
+        self.child.wait()
+        self.reader.join(2)
+        for stream in (self.child.stdin, self.child.stdout):
+            with contextlib.suppress(OSError):
+                stream.close()
+
+
+class Motors:
+    """Events of the stand-in: (time, armed, failsafe, motor [us]) at each change."""
+
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+
+    def events(self):
+        found = []
+        if self.path.exists():
+            for line in self.path.read_text().splitlines():
+                with contextlib.suppress(ValueError):
+                    found.append(json.loads(line))
+        return found
+
+    def last(self):
+        events = self.events()
+        return events[-1] if events else {"t": 0, "armed": False, "failsafe": False, "motor": 0, "flags": 0}
+
+    def first_at_or_below(self, level, since):
+        """Time when the motors are at `level` or lower and `since` has passed; None if never."""
+        before = None
+        for event in self.events():
+            if event["t"] <= since:
+                before = event
+            elif event["motor"] <= level:
+                if before is not None and before["motor"] <= level:
+                    return since
+                return event["t"]
+            else:
+                before = event
+        return since if before is not None and before["motor"] <= level else None
+
+    def highest(self, since, until=float("inf")):
+        """Largest output in the time span."""
+        highest = 0
+        for event in self.events():
+            if event["t"] <= since:
+                highest = event["motor"]
+            elif event["t"] <= until:
+                highest = max(highest, event["motor"])
+        return highest
+
+
+class Bench:
+    """One set of programs on ports of their own; a context manager that leaves nothing behind."""
+
+    def __init__(self, folder, line="tcp", protocol="msp2", boot_grace=0.3, bridge_options=(), lcm_url=None,
+                 standin_options=(), through=None):
+        self.programs = pathlib.Path(folder)
+        self.home = tempfile.TemporaryDirectory(prefix="link_bench_")
+        self.key = os.path.join(self.home.name, "key")
+        subprocess.run([self.programs / "radio_bridge", "--create-key", self.key], check=True, capture_output=True)
+        self.url = lcm_url or f"udpm://239.255.76.67:{free_port(socket.SOCK_DGRAM)}?ttl=0"
+        self.motor_port = free_port(socket.SOCK_DGRAM)
+        self.events = os.path.join(self.home.name, "events")
+        self.motors = Motors(self.events)
+        self.statuses = []
+        self.processes = []
+        self.bridge_options = list(bridge_options)
+        self.protocol = protocol
+        self.pulse_id = 0
+        listen = ["--protocol", protocol if protocol in ("sbus", "crsf") else "msp", "--boot-grace", boot_grace,
+                  "--motor-port", self.motor_port, "--events", self.events, *standin_options]
+        if line == "pty":
+            self.far = os.path.join(self.home.name, "line")
+            listen += ["--pty", self.far]
+            self.line = "serial:" + self.far
+        else:
+            port = free_port(socket.SOCK_STREAM)
+            listen += ["--listen", f"127.0.0.1:{port}"]
+            self.controller_port = port
+            self.line = f"tcp:127.0.0.1:{port}"
+        self.controller = self.start("standin_flight_controller", listen)
+        wait_for(lambda: any("listening" in text or "pseudo" in text for text in self.controller.lines), 5, "stand-in starts")
+        if through is not None:
+            self.line = through(self)
+        self.bridge = self.start_bridge()
+        self.console = self.start_console()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self.processes):
+            process.kill()
+        self.home.cleanup()
+
+    def start(self, program, arguments, on_line=None, prefix=(), **options):
+        process = Process([*prefix, self.programs / program, *arguments], on_line, **options)
+        self.processes.append(process)
+        return process
+
+    def start_bridge(self, prefix=(), **options):
+        return self.start("radio_bridge", ["--fc", self.line, "--lcm-url", self.url, "--key-file", self.key, "--protocol",
+                                           self.protocol, *self.bridge_options], prefix=prefix, **options)
+
+    def start_console(self, prefix=()):
+        return self.start("link_console", ["--lcm-url", self.url, "--key-file", self.key], self._status, prefix=prefix)
+
+    def _status(self, line):
+        with contextlib.suppress(ValueError):
+            self.statuses.append(json.loads(line))
+
+    def status(self):
+        return self.statuses[-1] if self.statuses else {"state": "none", "known": 0, "connected": 0, "armed": 0, "flags": -1}
+
+    def fresh(self):
+        """The latest status, or an empty one if it is older than 0.2 s."""
+        status = self.status()
+        return status if status.get("t", 0) > time.monotonic() - 0.2 else {"state": "none"}
+
+    def arm(self, timeout=10):
+        """Arms; tries again while the controller is not ready, as an operator would."""
+        deadline = time.monotonic() + timeout
+        while time.monotonic() < deadline:
+            self.console.send("disarm")
+            if self.fresh().get("state") == "fault":
+                self.console.send("reset")
+                time.sleep(0.15)
+            time.sleep(0.08)
+            self.console.send("arm")
+            until = time.monotonic() + 0.7
+            while time.monotonic() < until:
+                if self.fresh().get("state") == "armed" and self.motors.last()["armed"]:
+                    if self.fresh().get("armed"):
+                        return
+                    if "no-readback" in self.bridge_options:
+                        time.sleep(0.25)  # the bridge takes a controller that it cannot ask for armed after 0.2 s
+                        return
+                time.sleep(0.005)
+        raise AssertionError(f"not armed: {self.status()} {self.bridge.lines[-3:]}")
+
+    def pulse(self, throttle=1.0, duration=1.0, wait=True):
+        """@return time at which the motors rose"""
+        self.pulse_id = max(self.pulse_id, self.status().get("pulse_id", 0)) + 1
+        sent = time.monotonic()
+        self.console.send(f"pulse {self.pulse_id} {throttle} {duration}")
+        if wait:
+            wait_for(lambda: self.motors.last()["motor"] > IDLE, 1.0, f"motors rise: {self.status()}")
+        return sent

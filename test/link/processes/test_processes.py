@@ -1,0 +1,128 @@
+"""The real programs, killed and stopped in the middle of a pulse. usage: test_processes.py FOLDER_OF_PROGRAMS [unittest options]"""
+import os
+import signal
+import sys
+import time
+import unittest
+
+from link_bench import IDLE, OFF, Bench, wait_for
+
+PROGRAMS = os.environ.get("SNAPWING_PROGRAMS", ".")
+SLACK = 0.05  # s, for a machine that does other things as well
+
+
+class Processes(unittest.TestCase):
+    def setUp(self):
+        self.bench = Bench(PROGRAMS)
+        self.addCleanup(self.bench.__exit__)
+
+    def idle_after(self, since, timeout=1.0):
+        wait_for(lambda: self.bench.motors.first_at_or_below(IDLE, since) is not None, timeout, "motors at idle")
+        return self.bench.motors.first_at_or_below(IDLE, since) - since
+
+    def test_pulse_has_its_length(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(0.5, 0.25)
+        rise = bench.motors.last()["t"]
+        self.assertEqual(bench.motors.last()["motor"], 1509)
+        self.assertAlmostEqual(self.idle_after(rise), 0.25, delta=0.02 + SLACK)
+        self.assertLess(bench.status()["latency_worst"], 0.03 + SLACK)
+
+    def test_killed_bridge_ends_in_failsafe_and_a_new_one_brings_no_thrust(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(1.0, 1.4)
+        time.sleep(0.2)
+        bench.bridge.signal(signal.SIGKILL)
+        killed = time.monotonic()
+        self.assertLess(self.idle_after(killed), 0.3 + SLACK)
+        wait_for(lambda: bench.motors.last()["failsafe"], 2.0, "failsafe")
+        self.assertAlmostEqual(bench.motors.last()["t"] - killed, 1.5, delta=0.05 + SLACK)
+        self.assertEqual(bench.motors.last()["motor"], OFF)
+        bench.bridge = bench.start_bridge()
+        restarted = time.monotonic()
+        time.sleep(2.0)
+        self.assertLessEqual(bench.motors.highest(restarted), IDLE)
+
+    def test_terminated_bridge_lowers_throttle_and_disarms_at_once(self):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGSEGV,
+                       signal.SIGABRT):
+            with self.subTest(signal=number.name), Bench(PROGRAMS) as bench:
+                bench.arm()
+                bench.pulse(1.0, 1.4)
+                time.sleep(0.1)
+                bench.bridge.signal(number)
+                sent = time.monotonic()
+                wait_for(lambda: bench.motors.last()["motor"] == OFF, 1.0, "motors off")
+                self.assertLess(bench.motors.last()["t"] - sent, 0.04 + SLACK)
+                self.assertFalse(bench.motors.last()["failsafe"], "disarmed by the bridge, not by the failsafe")
+                bench.bridge.child.wait(2)
+                self.assertGreater(time.monotonic() - sent, 0.2, "safe frames for at least 0.2 s")
+
+    def test_killed_console_disarms(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(1.0, 1.4)
+        time.sleep(0.1)
+        bench.console.signal(signal.SIGKILL)
+        killed = time.monotonic()
+        self.assertLess(self.idle_after(killed), 0.25 + SLACK)
+        wait_for(lambda: bench.motors.last()["motor"] == OFF, 1.0, "motors off")
+        bench.console = bench.start_console()
+        time.sleep(0.5)
+        self.assertEqual(bench.fresh()["state"], "fault")
+        self.assertIn("heartbeat", bench.fresh()["fault"])
+
+    def test_abort_takes_one_frame(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(1.0, 1.4)
+        time.sleep(0.1)
+        bench.console.send("abort")
+        sent = time.monotonic()
+        self.assertLess(self.idle_after(sent), 0.04 + SLACK)
+        self.assertEqual(bench.motors.last()["motor"], OFF)
+
+    def test_stopped_and_continued_bridge_brings_nothing_back(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(1.0, 1.4)
+        bench.bridge.signal(signal.SIGSTOP)
+        stopped = time.monotonic()
+        self.assertLess(self.idle_after(stopped), 0.3 + SLACK)
+        idle = time.monotonic()
+        time.sleep(0.4)
+        bench.bridge.signal(signal.SIGCONT)
+        time.sleep(1.5)
+        self.assertLessEqual(bench.motors.highest(idle), IDLE)
+
+    def test_serial_line(self):
+        for protocol in ("msp1", "msp2", "sbus", "crsf"):
+            options = ("--allow", "no-readback") if protocol in ("sbus", "crsf") else ()
+            with self.subTest(protocol=protocol), Bench(PROGRAMS, line="pty", protocol=protocol, bridge_options=options,
+                                                        boot_grace=0.6) as bench:
+                time.sleep(1.0)
+                bench.arm()
+                bench.pulse(0.5, 0.2)
+                rise = bench.motors.last()["t"]
+                self.assertAlmostEqual(bench.motors.last()["motor"], 1509, delta=2)
+                wait_for(lambda: bench.motors.first_at_or_below(IDLE, rise) is not None, 1.0, "motors at idle")
+                self.assertAlmostEqual(bench.motors.first_at_or_below(IDLE, rise) - rise, 0.2, delta=0.02 + SLACK)
+
+    def test_bad_input_is_refused_with_a_reason(self):
+        for options, words in ((["--fc", "nonsense"], "tcp:HOST:PORT"), (["--max-pulse", "99"], "max_pulse"),
+                               (["--protocol", "sbus"], "no-readback"), (["--allow", "everything"], "rx-map"),
+                               (["--key-file", "/nonexistent"], "--create-key"), (["--bogus"], "bogus")):
+            with self.subTest(options=options):
+                key = [] if "--key-file" in options else ["--key-file", self.bench.key]
+                process = self.bench.start("radio_bridge", [*key, *options])
+                self.assertEqual(process.child.wait(5), 2)
+                process.reader.join(2)
+                self.assertIn(words, "\n".join(process.lines))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1 and os.path.isdir(sys.argv[1]):
+        PROGRAMS = sys.argv.pop(1)
+    unittest.main()
