@@ -7,7 +7,11 @@
 namespace snapwing::link {
 namespace {
 
-constexpr int SILENT_FRAMES = 10;  ///< frames without an answer after which the controller counts as gone
+constexpr double SILENCE_LIMIT = 0.2;  ///< [s] without any answer after which the controller counts as gone
+/// Frames that may be on their way unanswered. Not every line tells how much it still holds; a controller or adapter
+/// that stands still must not be left with a store of thrust frames.
+constexpr int WINDOW = 5;
+constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
 
 MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? MspVersion::V1 : MspVersion::V2; }
 bool speaksMsp(Protocol protocol) { return protocol == Protocol::MSP1 || protocol == Protocol::MSP2; }
@@ -66,8 +70,21 @@ void BridgeLoop::updateConnection(double now) {
   ControllerState state = watch_.state();
   state.readback = readback_;
   if (!readback_) state.known = state.connected;
-  if (readback_ && watch_.unansweredFrames() > SILENT_FRAMES) state.connected = false;
+  if (readback_ && now - watch_.lastAnswer() > SILENCE_LIMIT) state.connected = false;
   core_.onController(state);
+}
+
+bool BridgeLoop::windowOpen(double now) {
+  if (!readback_ || watch_.unansweredFrames() < WINDOW) {
+    window_closed_since_ = -1;
+    return true;
+  }
+  if (window_closed_since_ < 0) window_closed_since_ = now;
+  if (now - window_closed_since_ <= WINDOW_LIMIT) return false;
+  transport_.discard();
+  watch_.forgetFrames();
+  window_closed_since_ = -1;
+  return transport_.connected();
 }
 
 void BridgeLoop::frame(double now) {
@@ -76,7 +93,7 @@ void BridgeLoop::frame(double now) {
   drainInbox(now);
   const Channels& channels = core_.tick(now);
   const WireFrame wire = encodeFrame(protocol_, channels);
-  const bool written = transport_.connected() && transport_.write(wire.bytes.data(), wire.size, now);
+  const bool written = transport_.connected() && windowOpen(now) && transport_.write(wire.bytes.data(), wire.size, now);
   core_.onSent(written, now);
   if (written) watch_.noteFrame();
   if (written && readback_) ask(now);

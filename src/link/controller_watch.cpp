@@ -63,6 +63,7 @@ void ControllerWatch::connected(double now) {
   identity_read_.fill(false);
   asked_ = 0;
   asked_time_ = now;
+  last_answer_ = now;
   unanswered_frames_ = 0;
 }
 
@@ -88,6 +89,7 @@ bool ControllerWatch::nextRequest(double now, MspPacket& out) {
 
 void ControllerWatch::onPacket(const MspPacket& packet, double now) {
   if (packet.direction == '<') return;
+  last_answer_ = now;
   if (packet.id == MSP_SET_RAW_RC) {
     unanswered_frames_ = 0;
     return;

@@ -31,9 +31,11 @@ std::size_t Transport::read(std::uint8_t* out, std::size_t capacity) {
   return 0;
 }
 
+long Transport::send(const std::uint8_t* bytes, std::size_t size) { return ::write(descriptor_, bytes, size); }
+
 bool Transport::sendRest() {
   while (rest_size_ > 0) {
-    const ssize_t sent = ::write(descriptor_, rest_, rest_size_);
+    const long sent = send(rest_, rest_size_);
     if (sent < 0 && errno == EINTR) continue;
     if (sent < 0 && errno != EAGAIN && errno != EWOULDBLOCK) close();
     if (sent <= 0) return false;
@@ -47,17 +49,21 @@ bool Transport::blocked(double now) {
   if (blocked_since_ < 0) blocked_since_ = now;
   if (now - blocked_since_ <= BLOCKED_LIMIT) return false;
   blocked_since_ = now;
-  rest_size_ = 0;
-  if (!flush()) close();
+  discard();
   return false;
+}
+
+void Transport::discard() {
+  rest_size_ = 0;
+  if (connected_ && !flush()) close();
 }
 
 bool Transport::write(const std::uint8_t* bytes, std::size_t size, double now) {
   if (!connected_ || size > sizeof rest_) return false;
   if (!sendRest() || backlog() > backlogLimit()) return connected_ && blocked(now);
-  ssize_t sent = 0;
+  long sent = 0;
   do {
-    sent = ::write(descriptor_, bytes, size);
+    sent = send(bytes, size);
   } while (sent < 0 && errno == EINTR);
   if (sent < 0) {
     if (errno != EAGAIN && errno != EWOULDBLOCK) {

@@ -214,6 +214,36 @@ TEST(BridgeLoop, BlockedLineDeliversNoStaleThrust) {
   }
 }
 
+/// The controller stands still and the line hides how much it holds: only few frames may be on their way.
+TEST(BridgeLoop, LineThatHidesItsBacklogHoldsFewFrames) {
+  Simulation s;
+  s.line.hides_backlog = true;
+  s.arm();
+  ASSERT_EQ(s.pulse(1.0, 1.5), Refusal::NONE);
+  s.run(0.1);
+  s.line_open = false;
+  s.run(0.7);
+  EXPECT_EQ(s.bridge->core().status().fault, Fault::LINE_LOST);
+  EXPECT_LE(s.line.waiting(), 5 * 40);
+  s.highest_motor = 0;
+  s.line_open = true;
+  s.run(2.0);
+  EXPECT_LE(s.highest_motor, IDLE_OUTPUT) << "stale frames were thrown away";
+}
+
+/// A line that takes only a few bytes at a time: frames are completed or dropped, never mixed.
+TEST(BridgeLoop, HalfWrittenFramesAreCompletedBeforeOthers) {
+  for (const std::size_t taken : {1, 7, 13, 24}) {
+    SCOPED_TRACE(taken);
+    Simulation s;
+    s.line.takes = taken;
+    s.run(5.0);
+    EXPECT_EQ(s.port.badFrames(), 0U);
+    EXPECT_GT(s.bridge->core().status().frames_dropped, 10);
+    EXPECT_GT(s.fc.frames(), 1);
+  }
+}
+
 TEST(BridgeLoop, ResetAfterFailsafeArmsAgainWithoutThePulse) {
   Simulation s;
   s.arm();

@@ -17,9 +17,15 @@ void PipeTransport::maintain(double now) {
   opened();
 }
 
-int PipeTransport::backlog() const {
-  int waiting = 0;
-  return far_ >= 0 && ioctl(far_, FIONREAD, &waiting) == 0 ? waiting : 0;
+long PipeTransport::send(const std::uint8_t* bytes, std::size_t size) {
+  return Transport::send(bytes, takes > 0 ? std::min(takes, size) : size);
+}
+
+int PipeTransport::backlog() const { return hides_backlog ? 0 : waiting(); }
+
+int PipeTransport::waiting() const {
+  int bytes = 0;
+  return far_ >= 0 && ioctl(far_, FIONREAD, &bytes) == 0 ? bytes : 0;
 }
 
 bool PipeTransport::flush() {

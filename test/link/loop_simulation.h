@@ -25,10 +25,14 @@ class PipeTransport : public Transport {
   std::size_t farRead(std::uint8_t* out, std::size_t capacity);
   void farWrite(const std::uint8_t* bytes, std::size_t size);
   void unplug();
+  int waiting() const;
 
-  bool plugged = true;  ///< false: cannot connect
+  bool plugged = true;         ///< false: cannot connect
+  bool hides_backlog = false;  ///< as a pseudo-terminal does
+  std::size_t takes = 0;       ///< [bytes] at most, of each write; 0 = all
 
  private:
+  long send(const std::uint8_t* bytes, std::size_t size) override;
   int far_ = -1;
 };
 

@@ -57,6 +57,7 @@ class BridgeLoop {
   static WireFrame encodeFrame(Protocol protocol, const Channels& channels);
   void drainInbox(double now);
   void updateConnection(double now);
+  bool windowOpen(double now);
   void ask(double now);
 
   Protocol protocol_;
@@ -68,6 +69,7 @@ class BridgeLoop {
   Inbox inbox_;
   Outbox outbox_;
   int seen_connections_ = 0;
+  double window_closed_since_ = -1;
 };
 
 }  // namespace snapwing::link

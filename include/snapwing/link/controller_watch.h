@@ -56,9 +56,12 @@ class ControllerWatch {
   const ControllerTelemetry& telemetry() const { return telemetry_; }
   /// First check that failed although its answer has come.
   Check failedCheck() const { return static_cast<Check>(state_.failed_check); }
-  /// Frames sent since the last answer to one; a stopped controller lets this grow.
+  /// Frames sent that no answer has come for. Each answer to a frame counts for all before it.
   int unansweredFrames() const { return unanswered_frames_; }
   void noteFrame() { ++unanswered_frames_; }
+  void forgetFrames() { unanswered_frames_ = 0; }
+  /// [s] when the controller last answered anything; the time of connecting before the first answer
+  double lastAnswer() const { return last_answer_; }
 
  private:
   bool answered(std::uint16_t id) const;
@@ -79,6 +82,7 @@ class ControllerWatch {
   std::uint16_t asked_ = 0;  ///< 0 = no question open
   double asked_time_ = 0;
   int unanswered_frames_ = 0;
+  double last_answer_ = -1e9;
 };
 
 }  // namespace snapwing::link

@@ -102,6 +102,7 @@ class StandinMsp {
   std::size_t step(double now, std::uint8_t* out, std::size_t capacity);
   std::int64_t lostCommands() const { return lost_; }
   std::int64_t served() const { return served_; }
+  std::uint64_t badFrames() const { return parser_.badFrames(); }
   void reset();
 
  private:

@@ -37,6 +37,8 @@ class Transport {
   /// @return true if the whole frame was handed to the kernel
   bool write(const std::uint8_t* bytes, std::size_t size, double now);
   void close();
+  /// Throws away what the line has not taken yet; a socket is closed for that.
+  void discard();
   /// Number of times that a connection came about.
   int connections() const { return connections_; }
 
@@ -44,6 +46,8 @@ class Transport {
 
  protected:
   void opened();
+  /// write(2), to be replaced in tests of lines that take only a part.
+  virtual long send(const std::uint8_t* bytes, std::size_t size);
   /// Bytes that the kernel holds and the line has not taken.
   virtual int backlog() const = 0;
   virtual int backlogLimit() const { return 64; }  ///< [bytes] two frames
