@@ -29,6 +29,7 @@ class Switch:
         self.true = None            # Motion of the true vehicle
         self.estimate_seconds = math.nan  # command -> estimated mode reached the target for good
         self.sent = None            # SentPulse
+        self.motors = (math.nan, math.nan)  # start and end of the pulse as it truly reached the motors
 
     @property
     def start_mode(self):
@@ -53,6 +54,22 @@ class Motion:
         self.start_mode = self.end_mode = None
         self.peak_speed = math.nan
         self.snap_time = self.peak_travel = self.least_travel = self.end_travel = self.end_speed = math.nan
+
+
+def motors_pulse(run, switch):
+    """(start, end) of the pulse in the outputs that truly reached the motors, as the truth was sampled; NaN if none.
+    The pulse is where they are above the middle between their level at the command and their highest."""
+    if not run.has("truth") or run.series["truth"]["motor_outputs"].shape[1] == 0:
+        return math.nan, math.nan
+    rows = window(run.series["truth"], switch.start - 0.1, switch.until)
+    outputs = np.nan_to_num(rows["motor_outputs"]).mean(axis=1)
+    before = outputs[rows["time"] <= switch.start]
+    level = before[-1] if len(before) else 0.0
+    high = np.flatnonzero((rows["time"] > switch.start) & (outputs > 0.5 * (level + outputs.max(initial=0.0))))
+    if not len(high) or outputs.max() < level + 0.01:
+        return math.nan, math.nan
+    end = rows["time"][min(high[-1] + 1, len(outputs) - 1)]
+    return rows["time"][high[0]], end
 
 
 class SentPulse:
@@ -86,6 +103,7 @@ def find_switches(run):
         switch.name = _name_of(switch)
         switch.estimate_seconds = _estimate_seconds(run, switch)
         switch.sent = _sent_pulse(run, switch)
+        switch.motors = motors_pulse(run, switch)
         found.append(switch)
     return found
 
@@ -272,15 +290,22 @@ class Verdict:
         self.status = {}
         self.switch = {}
         self.notes = []
+        self.scenario_ok = None  # what the scenario says; None = no summary
+
+    @property
+    def all_happened(self):
+        return all(status == "happened" for status in self.status.values())
 
     @property
     def good(self):
-        return all(status == "happened" for status in self.status.values())
+        """Both switches happened, and the scenario, if it left a summary, has no complaint."""
+        return self.all_happened and self.scenario_ok is not False
 
 
 def judge(run, switches, summary=None):
     """Verdict from the record; where the scenario's summary says otherwise, a note says so."""
     verdict = Verdict()
+    verdict.scenario_ok = summary["ok"] if summary else None
     for name in EXPECTED:
         tries = [switch for switch in switches if switch.name == name]
         verdict.switch[name] = tries[-1] if tries else None
@@ -329,6 +354,9 @@ def comparison_rows(switch):
     rows.append(("energy margin, in barriers", "1", predicted("nominal", "energy_margin"),
                  float(plan["worst_margin"]) if plan is not None else math.nan, math.nan))
     rows.append(("mode estimate reached the target", "ms", math.nan, math.nan, switch.estimate_seconds * 1e3))
+    start, end = switch.motors
+    rows.append(("delay of the pulse to the motors", "ms", math.nan, math.nan, (start - switch.start) * 1e3))
+    rows.append(("pulse at the motors", "ms", switch.duration * 1e3, math.nan, (end - start) * 1e3))
     rows.append(("pulse on the wire", "ms", switch.duration * 1e3, math.nan,
                  sent.duration * 1e3 if sent is not None else math.nan))
     return rows

@@ -75,8 +75,6 @@ def header(report):
     """Title and one box per switch."""
     name = report.inputs.vehicle[0] if report.inputs.vehicle else str(
         (report.inputs.run.latched.get("arm_geometry") or {}).get("vehicle", "vehicle not named"))
-    good = report.verdict.good
-    sentence = "Both switches happened." if good else "Not both switches are shown to have happened."
     boxes = []
     for switch_name, status in report.verdict.status.items():
         switch = report.verdict.switch[switch_name]
@@ -89,7 +87,7 @@ def header(report):
     basis = ("F fixed wing, Q quadrotor. Judged from the recorded true state, not from what the nodes say of "
              "themselves.")
     return '<h1>{}: {}</h1>\n<p class="muted">{}</p>\n<div class="verdict">{}</div>'.format(
-        escape(name), escape(sentence), basis, "".join(boxes))
+        escape(name), escape(report.verdict_sentence), basis, "".join(boxes))
 
 
 def comparison(report):

@@ -150,17 +150,18 @@ def frames(run, switches):
         low.text(0.5, 0.5, "motor outputs were never read back", transform=low.transAxes, ha="center",
                  color=style.MUTED)
     for ax in (top, low):
-        ax.set_ylim(950, 2080)
+        ax.set_ylim(950, 2250)
+        ax.set_yticks([1000, 1250, 1500, 1750, 2000])
     middle.set_ylim(900, 2100)
     middle.set_yticks([1000, 2000])
     for number, switch in enumerate(switches):
         for ax in (top, low):
             ax.axvline(switch.start, color=style.COMMANDED, lw=1.2, ls="--",
                        label="pulse commanded" if number == 0 and ax is top else None)
-        style.label(top, switch.start, 2000, arrow(switch.name), style.COMMANDED, offset=(4, -8))
+        style.label(top, switch.start, 2250, arrow(switch.name), style.COMMANDED, offset=(4, -2), va="top")
     top.legend(loc="lower right", ncol=2, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     if low.get_legend_handles_labels()[0]:
-        low.legend(loc="upper right")
+        low.legend(loc="lower right", bbox_to_anchor=(1.0, 0.93), borderaxespad=0.0)
     _states(state, link)
     state.set_xlabel("time since the recording began [s]")
     return fig

@@ -64,6 +64,14 @@ class Report:
         return str((self.inputs.summary or {}).get("rung") or "not known")
 
     @property
+    def verdict_sentence(self):
+        if self.verdict.good:
+            return "Both switches happened."
+        if self.verdict.all_happened:
+            return "Both switches happened, but the run failed."
+        return "Not both switches are shown to have happened."
+
+    @property
     def curve_rung(self):
         curve = self.inputs.run.latched.get("force_curve")
         return str(curve["rung"]) if curve is not None and curve["rung"] else "not known"
@@ -150,6 +158,13 @@ def missing_notes(inputs, switches):
             notes.append("{}: no accepted plan belongs to this pulse, so nothing was predicted.".format(switch.name))
         if switch.true is not None and switch.true.end_mode is None:
             notes.append("{}: the record ends too soon after the pulse to tell the end mode.".format(switch.name))
+        sent = switch.sent
+        if sent is not None and sent.duration < switch.duration - 2 * sent.period:
+            notes.append("{}: the bridge sent the pulse for {:.0f} ms only, {:.0f} ms were commanded.".format(
+                switch.name, sent.duration * 1e3, switch.duration * 1e3))
+    if run.has("link_status") and analysis.last_time(run) - run.series["link_status"]["time"][-1] > 0.5:
+        notes.append("The bridge's frames end at {:.1f} s, the record at {:.1f} s: the bridge stopped, or its status "
+                     "did.".format(run.series["link_status"]["time"][-1], analysis.last_time(run)))
     if inputs.summary is None:
         notes.append("No summary of the scenario was given; what happened is judged from the record alone.")
     curve = run.latched.get("force_curve")
@@ -195,7 +210,7 @@ _COLUMNS = "    {:36s}{:>12s}{:>12s}{:>12s}{:>12s}"
 
 def terminal_summary(report, output=""):
     """The same in plain text."""
-    lines = ["snapwing report"]
+    lines = ["snapwing report: " + report.verdict_sentence]
     for name in EXPECTED:
         lines.append("  {:5s} {}".format(name, report.verdict.status[name]))
     lines.append("  predicted with: {}; force curve: {}".format(report.rung, report.curve_rung))

@@ -32,7 +32,8 @@ def simulate(pulses, seconds=10.0, step=1e-3, start_travel=0.0, damping=2.2, dra
     """Arrays time, travel, travel_rate, position, speed, thrust of the two-body model; `pulses` = [(start, throttle,
     duration)]."""
     count = int(round(seconds / step))
-    result = {name: np.zeros(count) for name in ("time", "travel", "travel_rate", "position", "speed", "thrust")}
+    names = ("time", "travel", "travel_rate", "position", "speed", "thrust", "output")
+    result = {name: np.zeros(count) for name in names}
     u, rate, position, speed, thrust = start_travel, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         now = k * step
@@ -46,7 +47,7 @@ def simulate(pulses, seconds=10.0, step=1e-3, start_travel=0.0, damping=2.2, dra
         speed += step * ring
         u += step * rate
         position += step * speed
-        for name, value in zip(result, (now, u, rate, position, speed, thrust)):
+        for name, value in zip(result, (now, u, rate, position, speed, thrust, level)):
             result[name][k] = value
     return result
 
@@ -144,7 +145,7 @@ def _send_motion(send, motion):
         now, u = motion["time"][k], motion["travel"][k]
         send("truth", Message(header=header(now), mode=int(mode[k]), travel=u, travel_rate=motion["travel_rate"][k],
                               position=motion["position"][k], speed=motion["speed"][k], thrust=motion["thrust"][k],
-                              arm_rotation=u * 16, motor_outputs=[0.1] * 4, held=False))
+                              arm_rotation=u * 16, motor_outputs=[0.07 + 0.93 * motion["output"][k]] * 4, held=False))
         likely = 1 / (1 + math.exp(-(u - BARRIER) / 0.004))
         estimate = 2 if likely > 0.95 else (1 if likely < 0.05 else 0)
         deviation = 0.001 + 0.004 * min(1.0, abs(motion["travel_rate"][k]))

@@ -44,6 +44,12 @@ class GoodRun(unittest.TestCase):
             self.assertAlmostEqual(switch.sent.duration, switch.duration, delta=0.025)
             self.assertEqual(switch.sent.highest, int(1000 + 1000 * switch.throttle))
 
+    def test_pulse_at_the_motors_is_late_by_the_link(self):
+        for switch in self.switches:
+            start, end = switch.motors
+            self.assertAlmostEqual(start - switch.start, 0.03, delta=0.006)  # one sample of the truth
+            self.assertAlmostEqual(end - start, switch.duration, delta=0.006)
+
     def test_estimate_reaches_the_target_after_the_snap(self):
         for switch in self.switches:
             self.assertGreater(switch.estimate_seconds, switch.true.snap_time - 0.01)
@@ -59,7 +65,8 @@ class GoodRun(unittest.TestCase):
     def test_summary_that_disagrees_is_called_out(self):
         claim = {"ok": False, "reason": "gave up", "switches": [{"name": "F->Q", "ok": False, "reason": "timed out"}]}
         _, verdict = judged(self.run_data, claim)
-        self.assertTrue(verdict.good)
+        self.assertTrue(verdict.all_happened)
+        self.assertFalse(verdict.good)
         self.assertTrue(any("says it failed, the record says: happened" in note for note in verdict.notes))
         self.assertTrue(any("timed out" in note for note in verdict.notes))
         self.assertTrue(any("gave up" in note for note in verdict.notes))

@@ -8,14 +8,18 @@ import re
 import stat
 import tempfile
 import unittest
+from html import escape
 from html.parser import HTMLParser
 from unittest import mock
+
+import matplotlib.pyplot as plt
+import matplotlib.text
 
 import synthetic_run
 from snapwing_tools import inputs, report_command, scenario_summary, style
 from snapwing_tools.errors import InputError
 from snapwing_tools.report import Inputs, Report
-from snapwing_tools.run_file import read_run
+from snapwing_tools.run_file import read_run, write_run
 from snapwing_tools.text_format import difference, number
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -52,6 +56,13 @@ class Checker(HTMLParser):
             self.headings.append(data)
 
 
+def undrawn(fig):
+    """Stands in for style.svg_text: the figure's texts."""
+    texts = [text.get_text() for text in fig.findobj(match=matplotlib.text.Text)]
+    plt.close(fig)
+    return "<svg>{}</svg>".format("".join("<text>{}</text>".format(escape(text)) for text in texts))
+
+
 class Command(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -73,10 +84,12 @@ class Command(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder.name, name)
 
-    def make(self, *arguments):
-        """Runs the command; (exit code, stdout, stderr)."""
+    def make(self, *arguments, draw=False):
+        """Runs the command; (exit code, stdout, stderr). Turning figures into SVG takes most of the time: `draw` does it,
+        else they are only made."""
         out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        svg = style.svg_text if draw else undrawn
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), mock.patch.object(style, "svg_text", svg):
             code = report_command.main([str(argument) for argument in arguments] + ["-o", self.output])
         return code, out.getvalue(), err.getvalue()
 
@@ -123,7 +136,7 @@ class Command(unittest.TestCase):
         return self.write("plan.json", json.dumps(content))
 
     def test_full_report(self):
-        code, out, err = self.make(self.good, *self.full(), "--figures", self.path("png"), "--require-success")
+        code, out, err = self.make(self.good, *self.full(), "--figures", self.path("png"), "--require-success", draw=True)
         self.assertEqual((code, err), (0, ""))
         self.assertEqual(len(re.findall(r"(F->Q|Q->F) +happened", out)), 2)
         page = self.page()
@@ -139,7 +152,7 @@ class Command(unittest.TestCase):
         self.assertEqual(len(os.listdir(self.path("png"))), 8)
 
     def test_figures_follow_the_theme(self):
-        self.make(self.good)
+        self.make(self.good, draw=True)
         pictures = re.findall(r"<svg.*?</svg>", self.page(), re.DOTALL)
         self.assertGreater(len(pictures), 4)
         for picture in pictures:
@@ -148,9 +161,11 @@ class Command(unittest.TestCase):
                 self.assertNotIn(light, picture.lower())
 
     def test_same_inputs_give_the_same_page(self):
-        self.make(self.good, "--vehicle", VEHICLE)
+        short = self.path("short.h5")
+        synthetic_run.make_buffer({"F->Q": (0.5, 0.55, 0.3)}, seconds=2.0).save(short, "closed")
+        self.make(short, "--vehicle", VEHICLE, draw=True)
         first = self.page()
-        self.make(self.good, "--vehicle", VEHICLE)
+        self.make(short, "--vehicle", VEHICLE, draw=True)
         self.assertEqual(self.page(), first)
 
     def test_partial_run_says_what_is_missing(self):
@@ -158,7 +173,7 @@ class Command(unittest.TestCase):
                      ("command/pulse", "force_curve"), ("truth", "mode_state", "link_status")):
             with self.subTest(gone):
                 synthetic_run.make_buffer(leave_out=gone).save(self.path("run.h5"), "recording")
-                code, out, _ = self.make(self.path("run.h5"))
+                code, out, _ = self.make(self.path("run.h5"), draw="truth" in gone)
                 self.assertEqual(code, 0)
                 page = self.page()
                 for topic in gone:
@@ -180,6 +195,21 @@ class Command(unittest.TestCase):
         self.assertEqual(code, 1)
         self.assertIn("did not happen", out)
         self.assertIn("the scenario says it succeeded", self.page())
+
+    def test_bridge_that_died_in_the_pulse_is_reported(self):
+        buffer = synthetic_run.make_buffer()
+        run = buffer.to_run("closed")
+        link = run.series["link_status"]
+        alive = link["time"] < 2.1
+        run.series["link_status"] = {name: data[alive] for name, data in link.items()}
+        write_run(self.path("run.h5"), run)
+        summary = self.summary(code=3, message="link lost")
+        code, out, _ = self.make(self.path("run.h5"), "--summary", summary, "--require-success")
+        self.assertEqual(code, 1)
+        self.assertRegex(out, "F->Q: the bridge sent the pulse for [0-9]+ ms only, 300 ms were commanded")
+        self.assertRegex(out, "frames end at 2.1 s, the record at 10.0 s")
+        self.assertIn("Both switches happened, but the run failed", self.page())
+        self.assertIn("link lost", self.page())
 
     def test_hostile_text_is_escaped(self):
         buffer = synthetic_run.make_buffer(provenance={"recorder_command": "<script>alert(1)</script>"})
@@ -257,7 +287,8 @@ class Command(unittest.TestCase):
         made = Inputs(read_run(self.good))
         made.plans["F->Q"] = plan
         report = Report(made)
-        self.assertIn(", another pulse</text>", report.html(report.figures()))
+        figures = [entry for entry in report.figures() if entry[0] == "influences"]
+        self.assertIn(", another pulse</text>", report.html(figures))
 
     def test_program_of_the_workspace_is_found(self):
         os.makedirs(self.path("devel/lib/snapwing"))
