@@ -9,7 +9,7 @@ from snapwing_tools import report_command
 
 
 def make_report(folder, vehicle_file, recorder="record_run", patience=5.0):
-    """Has `recorder` save folder/run.h5 and makes folder/report.html of it, with folder/run_summary.json if it is there.
+    """Has `recorder` save folder/run.h5 and makes folder/report.html of it and of folder/run_summary.json, if there.
     Blocks for some seconds up to a minute. Returns "" or, in one line, why there is no report."""
     service = recorder + "/save"
     try:

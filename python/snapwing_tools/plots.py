@@ -105,7 +105,7 @@ def outcome_maps(entries):
 
 
 def influences(entries, most=8):
-    """Entries (name, Plan, same): how far one uncertain number alone moves the margin; `same` = it is the run's pulse."""
+    """Entries (name, Plan, same): how far one uncertain number alone moves the margin; `same`: it is the run's pulse."""
     fig, axes = style.figure(1, len(entries), 3.4, squeeze=False, sharex=True)
     for ax, (name, plan, same) in zip(axes[0], entries):
         shown = plan.influences[:most]

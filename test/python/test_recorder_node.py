@@ -63,8 +63,8 @@ class Node(unittest.TestCase):
         messages.msg, imu.Imu = mock.Mock(), mock.Mock()
         triggers = types.ModuleType("std_srvs.srv")
         triggers.Trigger, triggers.TriggerResponse = mock.Mock(), types.SimpleNamespace
-        modules = {"std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": triggers, "rospy": self.rospy, "snapwing": messages, "sensor_msgs": types.ModuleType("sensor_msgs"),
-                   "sensor_msgs.msg": imu}
+        modules = {"std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": triggers, "rospy": self.rospy,
+                   "snapwing": messages, "sensor_msgs": types.ModuleType("sensor_msgs"), "sensor_msgs.msg": imu}
         self.patch = mock.patch.dict(sys.modules, modules)
         self.patch.start()
         sys.modules.pop("snapwing_tools.recorder_node", None)

@@ -85,11 +85,12 @@ class Command(unittest.TestCase):
         return os.path.join(self.folder.name, name)
 
     def make(self, *arguments, draw=False):
-        """Runs the command; (exit code, stdout, stderr). Turning figures into SVG takes most of the time: `draw` does it,
-        else they are only made."""
+        """Runs the command; (exit code, stdout, stderr). Turning figures into SVG takes most of the time: with
+        `draw` it is done, else they are only made."""
         out, err = io.StringIO(), io.StringIO()
         svg = style.svg_text if draw else undrawn
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), mock.patch.object(style, "svg_text", svg):
+        quiet = mock.patch.object(style, "svg_text", svg)
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), quiet:
             code = report_command.main([str(argument) for argument in arguments] + ["-o", self.output])
         return code, out.getvalue(), err.getvalue()
 
@@ -136,7 +137,8 @@ class Command(unittest.TestCase):
         return self.write("plan.json", json.dumps(content))
 
     def test_full_report(self):
-        code, out, err = self.make(self.good, *self.full(), "--figures", self.path("png"), "--require-success", draw=True)
+        code, out, err = self.make(self.good, *self.full(), "--figures", self.path("png"), "--require-success",
+                                   draw=True)
         self.assertEqual((code, err), (0, ""))
         self.assertEqual(len(re.findall(r"(F->Q|Q->F) +happened", out)), 2)
         page = self.page()
@@ -269,8 +271,8 @@ class Command(unittest.TestCase):
         program = self.program(
             'what=$1; while [ $# -gt 0 ]; do case $1 in --from) from=$2;; --map|--csv) out=$2;; --json) plan=$2;; esac;'
             ' shift; done\ncd {}\n'
-            'case $what$from in planF) cp f.csv $out; cp plan.json $plan;; planQ) cp q.csv $out; echo no > $plan; exit 1;;'
-            ' predictF) cp tf.csv $out;; predictQ) cp tq.csv $out;; esac\n'.format(self.folder.name))
+            'case $what$from in planF) cp f.csv $out; cp plan.json $plan;; planQ) cp q.csv $out;'
+            ' echo no > $plan; exit 1;; predictF) cp tf.csv $out;; predictQ) cp tq.csv $out;; esac\n'.format(self.folder.name))
         code, out, _ = self.make(self.good, "--vehicle", VEHICLE, "--snapwing", program, "--trial", "--mount boom")
         self.assertEqual(code, 0)
         self.assertNotIn("no outcome map", out)
