@@ -21,4 +21,7 @@ def make_report(folder, vehicle_file, recorder="record_run", patience=5.0):
         return answer.message
     arguments = [os.path.join(folder, "run.h5"), "--vehicle", vehicle_file, "--snapwing", "auto",
                  "-o", os.path.join(folder, "report.html")]
-    return "" if report_command.main(arguments) == 0 else "make_report failed; its message is above"
+    try:
+        return "" if report_command.main(arguments) == 0 else "make_report failed; its message is above"
+    except Exception as error:  # the run's own outcome must not hang on a defect of the report
+        return "make_report failed: {!r}".format(error)

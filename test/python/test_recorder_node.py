@@ -153,6 +153,8 @@ class Node(unittest.TestCase):
             self.assertEqual(after_run.make_report(self.folder.name, vehicle), "")
         self.assertEqual(self.rospy.ServiceProxy.call_args[0][0], "record_run/save")
         self.assertTrue(os.path.isfile(os.path.join(self.folder.name, "report.html")))
+        with mock.patch.object(after_run.report_command, "main", side_effect=ZeroDivisionError("defect")):
+            self.assertIn("defect", after_run.make_report(self.folder.name, vehicle))
         answer.success, answer.message = False, "disk full"
         self.assertEqual(after_run.make_report(self.folder.name, vehicle), "disk full")
         self.rospy.wait_for_service.side_effect = OSError("timeout")
