@@ -324,13 +324,13 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
                             " s, worst margin " + number(plan.worst_margin) + ", " +
                             number(100.0 * plan.share_switched, 4) + " % switch; defeated by " +
                             describeCorner(plan.worst_coordinates, plan.influences);
+  std::stable_sort(plan.influences.begin(), plan.influences.end(), [](const auto& a, const auto& b) {
+    return std::abs(a.high_margin - a.low_margin) > std::abs(b.high_margin - b.low_margin);
+  });
   const bool enough = outcome.reached(settings_.required_share) >= settings_.required_margin &&
                       plan.share_switched >= settings_.required_share;
   if (!enough) return refused(plan, "no pulse is safe over the uncertainty; " + found);
   plan.accepted = true;
-  std::stable_sort(plan.influences.begin(), plan.influences.end(), [](const auto& a, const auto& b) {
-    return std::abs(a.high_margin - a.low_margin) > std::abs(b.high_margin - b.low_margin);
-  });
   return plan;
 }
 

@@ -95,7 +95,11 @@ void printPlan(const planning::TransitionPlan& plan) {
 void printAccidents(const std::vector<planning::AccidentMargin>& margins) {
   std::printf("what may flip the mode by accident (nominal vehicle):\n");
   for (const auto& m : margins) {
-    std::printf("  %-34s limit %8.2f %-4s", m.name.c_str(), m.limit, m.unit.c_str());
+    if (std::isinf(m.limit)) {
+      std::printf("  %-34s no limit found    ", m.name.c_str());
+    } else {
+      std::printf("  %-34s limit %8.2f %-4s", m.name.c_str(), m.limit, m.unit.c_str());
+    }
     if (!std::isnan(m.occurs)) std::printf(" met %6.2f %-4s %s", m.occurs, m.unit.c_str(), m.holds ? "holds" : "FLIPS");
     std::printf("\n");
   }

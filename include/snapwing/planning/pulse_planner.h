@@ -26,7 +26,7 @@ struct PlannerSettings {
   int search_samples = 64;        ///< realisations during the search, beside corners
   int verify_samples = 512;       ///< fresh realisations for the final check
   int corner_parameters = 4;      ///< every corner of this many parameters that matter most is checked as well, 0 .. 8
-  int refine_evaluations = 60;    ///< of NLopt, at most
+  int refine_evaluations = 40;    ///< of NLopt, at most
   double required_margin = 0.05;  ///< [1] worst margin that a plan must have, in units of the barrier
   double enough_margin = 0.20;    ///< [1] worst margin beyond which a weaker and shorter pulse is preferred
   double required_share = 1.0;    ///< [1] share of the realisations that must end in the target mode
@@ -36,9 +36,9 @@ struct PlannerSettings {
   double frame_jitter = 1.0;
   bool allow_out_of_table = false;  ///< accept pulses that stretch u beyond the table or the upper limit of travel
   int threads = 2;                  ///< the result is the same for any number
-  rom::LumpedSettings model;
-  double model_step = 1e-3;  ///< [s] step of the model in the search; the check uses `model`'s
-  void validate() const;     ///< @throws common::Error naming the member
+  rom::LumpedSettings model{1e-3};  ///< of the check
+  double model_step = 2e-3;         ///< [s] step of the model in the search; the check uses `model`'s
+  void validate() const;            ///< @throws common::Error naming the member
 };
 
 /// Effect of one uncertain number on the margin of a pulse, all others nominal.
