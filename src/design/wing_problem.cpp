@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "linkage_loop.h"
+#include "wing_constraint_rows.h"
 
 namespace snapwing::design {
 
@@ -11,9 +12,7 @@ using Eigen::Vector4d;
 namespace {
 
 constexpr int TRANSMISSION_SAMPLES = 13;
-constexpr int GEOMETRIC = 5;     ///< s1, s2, s3, crank length, rocker length
-constexpr double SOFT = 1e-5;    ///< of h^2; a loop with margin has h^2 above 1e-2: relative error below 1e-7
-constexpr double LENGTH = 0.01;  ///< [m] scale of the length constraints
+constexpr double SOFT = 1e-5;  ///< of h^2; a loop with margin has h^2 above 1e-2: relative error below 1e-7
 
 template <class S>
 struct Terms {
@@ -44,12 +43,12 @@ std::vector<S> constraintsOf(const WingSettings& s, const LoopFrame& frame, cons
   using std::sqrt;
   const Plane<S> b{S(frame.bx), S(frame.by)};
   const Plane<S> between = X1 - X2, rocker = X2 - b;
-  std::vector<S> all;
-  all.push_back((s.separation - sqrt(dot(between, between))) / LENGTH);
-  all.push_back((s.wall_joint2_x - second.joint2.x) / LENGTH);
-  all.push_back((second.joint1.y - s.wall_joint1_y) / LENGTH);
-  all.push_back((s.min_bar_length - sqrt(dot(X1, X1))) / LENGTH);
-  all.push_back((s.min_bar_length - sqrt(dot(rocker, rocker))) / LENGTH);
+  std::vector<S> all;  // in the order of WingConstraintRow
+  all.push_back((s.separation - sqrt(dot(between, between))) / CONSTRAINT_LENGTH);
+  all.push_back((s.wall_joint2_x - second.joint2.x) / CONSTRAINT_LENGTH);
+  all.push_back((second.joint1.y - s.wall_joint1_y) / CONSTRAINT_LENGTH);
+  all.push_back((s.min_bar_length - sqrt(dot(X1, X1))) / CONSTRAINT_LENGTH);
+  all.push_back((s.min_bar_length - sqrt(dot(rocker, rocker))) / CONSTRAINT_LENGTH);
   const S coupler2 = dot(between, between), rocker2 = dot(rocker, rocker);
   const double most = std::pow(std::cos(s.transmission_margin), 2);
   for (int k = 0; k < TRANSMISSION_SAMPLES; ++k) {
@@ -70,7 +69,7 @@ Terms<S> termsAt(const WingSettings& s, const LoopFrame& frame, const Plane<S>& 
 
 }  // namespace
 
-int WingProblem::constraintCount() const { return GEOMETRIC + TRANSMISSION_SAMPLES; }
+int WingProblem::constraintCount() const { return ROW_TRANSMISSION + TRANSMISSION_SAMPLES; }
 
 FourBar WingProblem::linkage(const Vector4d& X) const {
   FourBar bar;
