@@ -12,10 +12,8 @@ namespace {
 using mpm::Vector;
 
 /// All cells that the design has, full, with the thickness of their region.
-std::shared_ptr<const mpm::Discretisation<2>> makeSolid(const common::ArmSettings& arm,
-                                                        const elasticity::Material& material,
-                                                        const mpm::DensityField& field,
-                                                        const ArmProblemSettings& settings) {
+std::shared_ptr<mpm::Discretisation<2>> makeSolid(const common::ArmSettings& arm, const elasticity::Material& material,
+                                                  const mpm::DensityField& field, const ArmProblemSettings& settings) {
   auto solid = std::make_shared<mpm::Discretisation<2>>();
   mpm::Grid<2> grid;
   grid.cell_size = field.cell_size;
@@ -67,10 +65,19 @@ ArmProblem::ArmProblem(const common::ArmSettings& arm, const elasticity::Materia
   const bool same =
       settings.cell_size <= 0 || std::abs(settings.cell_size - design.cell_size) < 1e-9 * design.cell_size;
   field_ = same ? design : design.resampled(settings.cell_size);
-  const auto solid = makeSolid(arm, material, field_, settings);
-  Reduction reduction(solid->dofCount(), 1, makeEquations(arm, *solid));
+  solid_ = makeSolid(arm, material, field_, settings);
+  Reduction reduction(solid_->dofCount(), 1, makeEquations(arm, *solid_));
   const double floor = 1e-13 * material.youngs_modulus * field_.cell_size * arm.leg_thickness;
-  problem_ = std::make_unique<SolidProblem<2>>(solid, std::move(reduction), Eigen::MatrixXd(), settings.threads, floor);
+  problem_ =
+      std::make_unique<SolidProblem<2>>(solid_, std::move(reduction), Eigen::MatrixXd(), settings.threads, floor);
+}
+
+void ArmProblem::setDensities(const std::vector<double>& densities) {
+  solid_->setDensities(densities);
+  for (int c = 0; c < solid_->cellCount(); ++c) {
+    const mpm::Index<2>& at = solid_->cellAt(c);
+    field_.value[static_cast<std::size_t>(at[1]) * field_.cells[0] + at[0]] = densities[c];
+  }
 }
 
 Eigen::VectorXd ArmProblem::displacements(const Eigen::VectorXd& z, double travel) const {

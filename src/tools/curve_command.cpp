@@ -1,8 +1,9 @@
-// `snapwing curve`: traces the force-displacement curve of one arm and stores it with units and provenance.
+// `snapwing curve`: traces the force-displacement curve of a vehicle's arm, or of any scene, with units and provenance.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -13,16 +14,17 @@
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/statics/arm_problem.h"
+#include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::tools {
 
 namespace {
 
 struct CurveOptions {
-  std::string input, output, csv, summary, plane = "stress";
+  std::string input, output, csv, summary, plane = "stress", kernel, vtu;
   double cell_size = 0, step = 0.001, from = NAN, to = NAN;
   bool no_back = false, quiet = false;
-  int threads = 1;
+  int threads = 1, particles = 0, steps = 0;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -37,7 +39,7 @@ std::string toText(double value) {
 
 bool showProgress(const CurveOptions& options, double share, double travel) {
   if (!options.quiet) {
-    std::fprintf(stderr, "\r%3.0f %%  u = %6.2f mm ", 100 * share, 1e3 * travel);
+    std::fprintf(stderr, "\r%3.0f %%  at %10.5g (SI) ", 100 * share, travel);
     if (share >= 1) std::fprintf(stderr, "\n");
     std::fflush(stderr);
   }
@@ -96,13 +98,9 @@ void writeCsv(const std::string& path, const common::ForceTable& table) {
 
 nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
 
-nlohmann::json summarise(const statics::ArmCurve& curve) {
-  nlohmann::json j;
-  j["status"] = statics::statusName(curve.status);
-  j["message"] = curve.message;
-  for (const auto& [key, value] : curve.table.provenance) j["provenance"][key] = value;
-  if (curve.table.travel.size() >= 4) {
-    const common::CurveFeatures f = common::curveFeatures(curve.table);
+void addFeatures(const common::ForceTable& table, nlohmann::json& j) {
+  if (table.travel.size() >= 4) {
+    const common::CurveFeatures f = common::curveFeatures(table);
     j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
     j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
     j["zeros_m"] = {0.0, orNull(f.barrier_travel), orNull(f.second_travel)};
@@ -112,25 +110,131 @@ nlohmann::json summarise(const statics::ArmCurve& curve) {
     j["barrier_back_J"] = orNull(f.barrier_back);
     j["hysteresis_N"] = orNull(f.hysteresis);
     j["bistable"] = f.bistable;
-    j["forces_are"] = "totals of all arms";
   }
   int unstable = 0;
-  for (const int stable : curve.table.stable) unstable += stable ? 0 : 1;
-  j["points"] = curve.table.travel.size();
+  for (const int stable : table.stable) unstable += stable ? 0 : 1;
+  j["points"] = table.travel.size();
   j["unstable_points"] = unstable;
-  j["iterations"] = curve.iterations;
-  j["factorizations"] = curve.factorizations;
-  j["projections"] = curve.projections;
-  j["step_halvings"] = curve.halvings;
-  j["seconds"] = {{"total", curve.seconds},
-                  {"assembly", curve.seconds_assembly},
-                  {"factorization", curve.seconds_factor},
-                  {"solve", curve.seconds_solve},
-                  {"analysis", curve.seconds_analysis}};
+}
+
+/// ArmCurve and PathResult state their costs by the same names.
+template <class Result>
+void addCosts(const Result& result, nlohmann::json& j) {
+  j["status"] = statics::statusName(result.status);
+  j["message"] = result.message;
+  j["iterations"] = result.iterations;
+  j["factorizations"] = result.factorizations;
+  j["projections"] = result.projections;
+  j["step_halvings"] = result.halvings;
+  j["seconds"] = {{"total", result.seconds},
+                  {"assembly", result.seconds_assembly},
+                  {"factorization", result.seconds_factor},
+                  {"solve", result.seconds_solve},
+                  {"analysis", result.seconds_analysis}};
+}
+
+nlohmann::json summarise(const statics::ArmCurve& curve) {
+  nlohmann::json j;
+  addCosts(curve, j);
+  for (const auto& [key, value] : curve.table.provenance) j["provenance"][key] = value;
+  addFeatures(curve.table, j);
+  j["forces_are"] = "totals of all arms";
   return j;
 }
 
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+statics::Scene readScene(const CurveOptions& options) {
+  statics::Scene scene = statics::loadScene(options.input);
+  if (options.cell_size > 0) scene.cell_size = options.cell_size;
+  if (options.kernel == "linear") scene.kernel = statics::SceneKernel::LINEAR;
+  if (options.kernel == "linear_reduced") scene.kernel = statics::SceneKernel::LINEAR_REDUCED;
+  if (options.kernel == "quadratic") scene.kernel = statics::SceneKernel::QUADRATIC;
+  if (options.particles > 0) scene.particles = options.particles;
+  if (options.steps > 0) scene.steps = options.steps;
+  return scene;
+}
+
+std::string kernelName(statics::SceneKernel kernel) {
+  if (kernel == statics::SceneKernel::LINEAR) return "linear";
+  return kernel == statics::SceneKernel::QUADRATIC ? "quadratic" : "linear_reduced";
+}
+
+void writeVtu(const std::string& folder, const statics::CompiledScene& compiled, const statics::SceneCurve& curve) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
+    char name[32];
+    std::snprintf(name, sizeof(name), "/point_%04zu.vtu", k);
+    const statics::PathPoint& p = curve.path.points[k];
+    common::writeFileAtomically(folder + name, compiled.vtu(p.solution, p.control));
+  }
+}
+
+nlohmann::json summariseScene(const statics::Scene& scene, const statics::CompiledScene& compiled,
+                              const statics::SceneCurve& curve) {
+  nlohmann::json j;
+  addCosts(curve.path, j);
+  j["scene"] = scene.name;
+  j["kernel"] = kernelName(scene.kernel);
+  j["dimension"] = scene.dimension;
+  j["cell_size_m"] = scene.cell_size;
+  j["particles_per_axis_in_cut_cells"] = scene.particles;
+  j["dof"] = compiled.problem().freeCount();
+  j["cells"] = compiled.cellCount();
+  j["symmetry"] = compiled.symmetry();
+  j["multiplicity"] = compiled.multiplicity();
+  j["volume_share_left_out"] = compiled.droppedShare();
+  j["scene_sha256"] = scene.sha256;
+  j["snapwing_version"] = common::version();
+  if (scene.control_is_length) addFeatures(curve.table(), j);
+  for (std::size_t m = 0; m < scene.monitors.size() && !curve.monitors.empty(); ++m) {
+    j["monitors_at_end"][scene.monitors[m].name] = curve.monitors.back()[m];
+  }
+  return j;
+}
+
+int runScene(const CurveOptions& options) {
+  const statics::Scene scene = readScene(options);
+  const auto compiled = statics::compileScene(scene, options.threads);
+  statics::PathSettings settings;
+  settings.newton.cancelled = [] { return interrupted != 0; };
+  interrupted = 0;
+  const auto previous = std::signal(SIGINT, onInterrupt);
+  const statics::SceneCurve curve = statics::traceScene(
+      scene, *compiled, settings, [&](double share, double control) { return showProgress(options, share, control); });
+  std::signal(SIGINT, previous);
+  const nlohmann::json summary = summariseScene(scene, *compiled, curve);
+  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
+  std::printf("%s\n", summary.dump(2).c_str());
+  // A path that stopped is written as far as it came, but never as a table that others would take for whole.
+  if (!options.csv.empty()) common::writeFileAtomically(options.csv, curve.csv(scene));
+  if (endsWith(options.output, ".csv")) common::writeFileAtomically(options.output, curve.csv(scene));
+  if (!options.vtu.empty()) writeVtu(options.vtu, *compiled, curve);
+  if (curve.path.status != statics::SolveStatus::CONVERGED) {
+    std::fprintf(stderr, "\nsnapwing curve: %s\n", curve.path.message.c_str());
+    return 1;
+  }
+  if (endsWith(options.output, ".h5")) {
+    if (!scene.control_is_length) throw common::Error("a force table needs a scene with a driven port, not loads");
+    common::ForceTable table = curve.table();
+    for (const auto& [key, value] : summary.items()) {
+      if (value.is_string() || value.is_number())
+        table.provenance[key] = value.is_string() ? value.get<std::string>() : value.dump();
+    }
+    table.provenance["inputs_sha256"] = scene.sha256;
+    common::saveForceTable(table, options.output);
+  }
+  return 0;
+}
+
 int runCurve(const CurveOptions& options) {
+  if (statics::isScene(options.input)) return runScene(options);
+  if (!options.kernel.empty() || !options.vtu.empty()) {
+    throw common::Error(
+        "--kernel, --particles and --vtu are for scenes; a vehicle's arm is traced with the linear kernel");
+  }
   const common::Vehicle vehicle = common::loadVehicle(options.input);
   const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
                                       vehicle.material.mass_density.value};
@@ -173,13 +277,20 @@ int runCurve(const CurveOptions& options) {
 
 void addCurveCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CurveOptions>();
-  CLI::App* command = app.add_subcommand("curve", "Trace the force-displacement curve of a vehicle's arm");
-  command->add_option("vehicle", options->input, "Vehicle file [YAML]")->required();
-  command->add_option("-o,--output", options->output, "Force table to write [HDF5]");
+  CLI::App* command =
+      app.add_subcommand("curve", "Trace the force-displacement curve of a vehicle's arm or of a scene");
+  command->add_option("input", options->input, "Vehicle or scene file [YAML]")->required();
+  command->add_option("-o,--output", options->output, "Force table to write [.h5]; scenes also [.csv]");
   command->add_option("--csv", options->csv, "Curve to write [CSV]");
   command->add_option("--summary", options->summary, "Summary to write [JSON]");
   command->add_option("--cell-size", options->cell_size, "Cell size [m]; default: that of the design")
-      ->check(CLI::Range(1e-5, 1.0));
+      ->check(CLI::Range(1e-6, 1e3));
+  command->add_option("--kernel", options->kernel, "Scenes: kernel in place of the scene's own")
+      ->check(CLI::IsMember({"linear", "linear_reduced", "quadratic"}));
+  command->add_option("--particles", options->particles, "Scenes: particles per axis in cut cells")
+      ->check(CLI::Range(1, 16));
+  command->add_option("--steps", options->steps, "Scenes: points of the path")->check(CLI::Range(1, 100000));
+  command->add_option("--vtu", options->vtu, "Scenes: folder for deformed cells of each point [VTU]");
   command->add_option("--plane", options->plane, "How the arm behaves across its thickness")
       ->check(CLI::IsMember({"stress", "strain"}))
       ->capture_default_str();

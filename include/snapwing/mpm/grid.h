@@ -47,8 +47,6 @@ struct Grid {
   bool locate(const Vector<D>& point, Index<D>& cell, Vector<D>& local) const;
   /// Kernel weights of a cell's nodes at a local point, and gradients [1/m] as columns.
   void weights(const Vector<D>& local, Eigen::VectorXd& value, Eigen::Matrix<double, D, Eigen::Dynamic>& slope) const;
-
- private:
   int nodesAlong(int axis) const { return cells[axis] + nodesPerAxis(kernel) - 1; }
 };
 

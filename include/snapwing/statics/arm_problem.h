@@ -30,6 +30,9 @@ class ArmProblem {
 
   const SolidProblem<2>& problem() const { return *problem_; }
   const mpm::DensityField& field() const { return field_; }
+  /// New densities, one per cell of the design in the order of problem().solid(). What holds a state of the problem
+  /// (a Newton, a path) must start anew. @throws common::Error for a wrong count or a value outside 0 .. 1
+  void setDensities(const std::vector<double>& densities);
   /// Rotation of the bar's outer end about the axle [rad], positive as u grows: the rotation that fits the nodes within
   /// 4 mm of the axle best (least squares).
   double rotation(const Eigen::VectorXd& z, double travel) const;
@@ -42,6 +45,7 @@ class ArmProblem {
 
   common::ArmSettings arm_;
   mpm::DensityField field_;
+  std::shared_ptr<mpm::Discretisation<2>> solid_;  ///< the problem's own
   std::unique_ptr<SolidProblem<2>> problem_;
 };
 

@@ -1,0 +1,35 @@
+#pragma once
+/// A scene compiled to an equilibrium problem on background grids, in two or three dimensions.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snapwing/statics/problem.h"
+#include "snapwing/statics/scene.h"
+
+namespace snapwing::statics {
+
+/// What a command needs to know, whatever the dimension. z are the problem's free coordinates, p its one control.
+class CompiledScene {
+ public:
+  virtual ~CompiledScene() = default;
+  virtual const Problem& problem() const = 0;
+  /// Forces and energies of the whole are this times those of the problem.
+  virtual double multiplicity() const = 0;
+  /// What symmetry was used, in words; "none".
+  virtual const std::string& symmetry() const = 0;
+  virtual int cellCount() const = 0;
+  /// Values of the scene's monitors.
+  virtual std::vector<double> monitors(const Eigen::VectorXd& z, double p) const = 0;
+  /// Share of the material's volume in cells that were left out as slivers.
+  virtual double droppedShare() const = 0;
+  /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).
+  virtual std::string vtu(const Eigen::VectorXd& z, double p) const = 0;
+};
+
+/// @param threads  for assembly
+/// @throws common::Error naming the support, port, pin or joint that meets no material
+std::unique_ptr<CompiledScene> compileScene(const Scene& scene, int threads);
+
+}  // namespace snapwing::statics

@@ -1,0 +1,40 @@
+#include "snapwing/statics/sensitivity.h"
+
+namespace snapwing::statics {
+
+template <int D>
+Eigen::VectorXd Sensitivity<D>::reaction() const {
+  const Eigen::VectorXd dp = Eigen::VectorXd::Ones(1);
+  Eigen::VectorXd free_part, control_part;
+  problem_.controlTangent(at_, dp, free_part, control_part);
+  const Eigen::VectorXd dz = -cholesky_.solve(free_part);
+  return problem_.solid().densityDerivative(at_.displacements, problem_.reduction().expandDirection(dz, dp));
+}
+
+template <int D>
+Eigen::VectorXd Sensitivity<D>::displacement(const Eigen::VectorXd& functional) const {
+  const Eigen::VectorXd adjoint = -cholesky_.solve(problem_.reduction().restrictToFree(functional));
+  return problem_.solid().densityDerivative(
+      at_.displacements, problem_.reduction().expandDirection(adjoint, Eigen::VectorXd::Zero(problem_.controlCount())));
+}
+
+template <int D>
+Eigen::VectorXd Sensitivity<D>::energy() const {
+  return problem_.solid().densityDerivative(at_.displacements, {});
+}
+
+template <int D>
+Eigen::VectorXd Sensitivity<D>::volume() const {
+  const mpm::Discretisation<D>& solid = problem_.solid();
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(solid.cellCount());
+  for (int c = 0; c < solid.cellCount(); ++c) {
+    const mpm::QuadratureRule<D>& rule = solid.rule(solid.terms(solid.cell(c).kind)[0].rule);
+    for (const double w : rule.weight) result(c) += w * solid.cell(c).measure;
+  }
+  return result;
+}
+
+template class Sensitivity<2>;
+template class Sensitivity<3>;
+
+}  // namespace snapwing::statics
