@@ -95,7 +95,8 @@ def find_switches(run):
     found = []
     for index, start in enumerate(pulses["time"]):
         following = pulses["time"][index + 1] if index + 1 < len(pulses["time"]) else math.inf
-        until = min(start + WATCH_SECONDS, following, last_time(run), _hand_takes(run, start))
+        until = min(start + WATCH_SECONDS, following, last_time(run), _hand_takes(run, start),
+                    _other_pulse(run, start, pulses["id"][index]))
         switch = Switch("? (pulse {})".format(pulses["id"][index]), start, until, pulses["throttle"][index],
                         pulses["duration"][index], int(pulses["id"][index]))
         switch.plan = _plan_of(run, switch)
@@ -110,6 +111,15 @@ def find_switches(run):
 
 def last_time(run):
     return max((columns["time"][-1] for columns in run.series.values() if len(columns["time"])), default=0.0)
+
+
+def _other_pulse(run, start, pulse_id):
+    """When the bridge sends a later pulse, whether or not its command was recorded."""
+    if not run.has("link_status"):
+        return math.inf
+    link = run.series["link_status"]
+    frames = (link["time"] > start) & (link["bridge_state"] == 3) & (link["pulse_id"] > pulse_id)
+    return link["time"][frames][0] if frames.any() else math.inf
 
 
 def _hand_takes(run, start):
@@ -306,10 +316,11 @@ def judge(run, switches, summary=None):
     """Verdict from the record; where the scenario's summary says otherwise, a note says so."""
     verdict = Verdict()
     verdict.scenario_ok = summary["ok"] if summary else None
+    untold = any(switch.target_mode is None for switch in switches) or pulses_without_command(run)
     for name in EXPECTED:
         tries = [switch for switch in switches if switch.name == name]
         verdict.switch[name] = tries[-1] if tries else None
-        verdict.status[name] = _status(run, tries, any(switch.target_mode is None for switch in switches))
+        verdict.status[name] = _status(run, tries, untold)
         claims = [entry for entry in (summary or {}).get("switches", []) if entry["name"] == name]
         claim = claims[-1] if claims else None
         if claim and verdict.status[name] != "not known" and claim["ok"] != (verdict.status[name] == "happened"):
@@ -322,12 +333,21 @@ def judge(run, switches, summary=None):
     return verdict
 
 
-def _status(run, tries, unnamed):
-    """`unnamed`: there are pulses of which the record does not tell the direction."""
+def pulses_without_command(run):
+    """Does the record show a pulse, or both modes, without the command that belongs to it?"""
+    known = set(run.series["command/pulse"]["id"]) if run.has("command/pulse") else set()
+    if run.has("link_status"):
+        link = run.series["link_status"]
+        return bool(set(link["pulse_id"][link["bridge_state"] == 3]) - known)
+    return not known and run.has("truth") and {1, 2} <= set(run.series["truth"]["mode"])
+
+
+def _status(run, tries, untold):
+    """`untold`: there are pulses of which the record does not tell the direction."""
     if tries:
         happened = tries[-1].happened
         return "not known" if happened is None else ("happened" if happened else "did not happen")
-    return "not known" if unnamed or not run.has("link_status") and not run.has("truth") else "not attempted"
+    return "not known" if untold or not run.has("link_status") and not run.has("truth") else "not attempted"
 
 
 def comparison_rows(switch):

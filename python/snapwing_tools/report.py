@@ -149,7 +149,7 @@ def missing_notes(inputs, switches):
     """One sentence for everything that the run lacks, and for how the recording ended."""
     run, notes = inputs.run, []
     for topic in run.missing_topics():
-        notes.append("Nothing was recorded of {}: no {}.".format(topic.name, topic.needed_for))
+        notes.append("Nothing was recorded of {}; it would have shown: {}.".format(topic.name, topic.needed_for))
     if run.attributes.get("ended") == "recording":
         notes.append("The recorder did not end by itself: it still ran, or it was killed. This is its last automatic "
                      "save; the record ends at {:.1f} s.".format(analysis.last_time(run)))

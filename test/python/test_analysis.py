@@ -114,6 +114,15 @@ class FailedRuns(unittest.TestCase):
         self.assertIsNone(switches[0].happened)
         self.assertEqual(verdict.status["F->Q"], "not known")
 
+    def test_pulse_whose_command_was_missed_is_not_called_unattempted(self):
+        run = synthetic_run.make_buffer(leave_out=("command/pulse",)).to_run("closed")
+        self.assertEqual(set(judged(run)[1].status.values()), {"not known"})
+        del run.series["link_status"]
+        self.assertEqual(set(judged(run)[1].status.values()), {"not known"})
+        run = synthetic_run.make_buffer().to_run("closed")
+        run.series["command/pulse"] = {name: data[:1] for name, data in run.series["command/pulse"].items()}
+        self.assertEqual(judged(run)[1].status, {"F->Q": "happened", "Q->F": "not known"})
+
     def test_empty_record(self):
         run = synthetic_run.RunBuffer(0.0).to_run("closed")
         switches, verdict = judged(run)

@@ -179,8 +179,8 @@ class Command(unittest.TestCase):
                 self.assertEqual(code, 0)
                 page = self.page()
                 for topic in gone:
-                    self.assertIn("Nothing was recorded of " + topic, out)
-                    self.assertIn("Nothing was recorded of " + topic, page)
+                    self.assertIn("Nothing was recorded of {};".format(topic), out)
+                    self.assertIn("Nothing was recorded of {};".format(topic), page)
                 self.assertIn("did not end by itself", page)
 
     def test_empty_run_still_gives_a_page(self):
