@@ -224,7 +224,7 @@ TEST(BridgeLoop, LineThatHidesItsBacklogHoldsFewFrames) {
   s.line_open = false;
   s.run(0.7);
   EXPECT_EQ(s.bridge->core().status().fault, Fault::LINE_LOST);
-  EXPECT_LE(s.line.waiting(), 5 * 40);
+  EXPECT_LE(s.line.waiting(), 3 * 25 + 9);
   s.highest_motor = 0;
   s.line_open = true;
   s.run(2.0);

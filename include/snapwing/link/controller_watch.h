@@ -47,7 +47,7 @@ class ControllerWatch {
   void connected(double now);
   void disconnected();
 
-  /// What to ask with this frame. Call once per frame.
+  /// What to ask now. Call once for each answered frame; every other time there is a question.
   /// @return false if nothing is to be asked now
   bool nextRequest(double now, MspPacket& out);
   void onPacket(const MspPacket& packet, double now);

@@ -13,6 +13,7 @@ import time
 
 IDLE = 1070  # us, armed and throttle low
 OFF = 1000
+BLINK = 0.002  # s; what motors with a lag of tens of milliseconds cannot follow
 
 
 def free_port(kind):
@@ -98,13 +99,13 @@ class Motors:
                 before = event
         return since if before is not None and before["motor"] <= level else None
 
-    def highest(self, since, until=float("inf")):
-        """Largest output in the time span."""
-        highest = 0
-        for event in self.events():
-            if event["t"] <= since:
-                highest = event["motor"]
-            elif event["t"] <= until:
+    def highest(self, since):
+        """Largest output after `since`; outputs that lasted no longer than BLINK do not count."""
+        highest, now = 0, time.monotonic()
+        events = self.events()
+        for event, following in zip(events, events[1:] + [{"t": now}]):
+            lasted = min(following["t"], now) - max(event["t"], since)
+            if lasted > BLINK:
                 highest = max(highest, event["motor"])
         return highest
 
@@ -113,12 +114,15 @@ class Bench:
     """One set of programs on ports of their own; a context manager that leaves nothing behind."""
 
     def __init__(self, folder, line="tcp", protocol="msp2", boot_grace=0.3, bridge_options=(), lcm_url=None,
-                 standin_options=(), through=None):
+                 standin_options=(), through=None, bridge_url=None, environment=None, bridge_prefix=()):
         self.programs = pathlib.Path(folder)
         self.home = tempfile.TemporaryDirectory(prefix="link_bench_")
         self.key = os.path.join(self.home.name, "key")
         subprocess.run([self.programs / "radio_bridge", "--create-key", self.key], check=True, capture_output=True)
         self.url = lcm_url or f"udpm://239.255.76.67:{free_port(socket.SOCK_DGRAM)}?ttl=0"
+        self.bridge_url = bridge_url or self.url
+        self.environment = {**os.environ, **(environment or {})}
+        self.bridge_prefix = list(bridge_prefix)
         self.motor_port = free_port(socket.SOCK_DGRAM)
         self.events = os.path.join(self.home.name, "events")
         self.motors = Motors(self.events)
@@ -139,6 +143,8 @@ class Bench:
             self.controller_port = port
             self.line = f"tcp:127.0.0.1:{port}"
         self.controller = self.start("standin_flight_controller", listen)
+        with contextlib.suppress(PermissionError):  # the real one is a machine of its own
+            os.sched_setscheduler(self.controller.child.pid, os.SCHED_FIFO, os.sched_param(60))
         wait_for(lambda: any("listening" in text or "pseudo" in text for text in self.controller.lines), 5, "stand-in starts")
         if through is not None:
             self.line = through(self)
@@ -154,13 +160,14 @@ class Bench:
         self.home.cleanup()
 
     def start(self, program, arguments, on_line=None, prefix=(), **options):
-        process = Process([*prefix, self.programs / program, *arguments], on_line, **options)
+        process = Process([*prefix, self.programs / program, *arguments], on_line, env=self.environment, **options)
         self.processes.append(process)
         return process
 
     def start_bridge(self, prefix=(), **options):
-        return self.start("radio_bridge", ["--fc", self.line, "--lcm-url", self.url, "--key-file", self.key, "--protocol",
-                                           self.protocol, *self.bridge_options], prefix=prefix, **options)
+        return self.start("radio_bridge", ["--fc", self.line, "--lcm-url", self.bridge_url, "--key-file", self.key,
+                                           "--protocol", self.protocol, *self.bridge_options],
+                          prefix=[*prefix, *self.bridge_prefix], **options)
 
     def start_console(self, prefix=()):
         return self.start("link_console", ["--lcm-url", self.url, "--key-file", self.key], self._status, prefix=prefix)
