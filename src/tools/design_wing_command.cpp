@@ -2,13 +2,17 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "commands.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
+#include "snapwing/design/wing_blade.h"
+#include "snapwing/design/wing_elastic_problem.h"
 #include "snapwing/design/wing_layout.h"
+#include "snapwing/design/wing_parts.h"
 #include "snapwing/design/wing_table.h"
 
 namespace snapwing::tools {
@@ -20,6 +24,7 @@ using namespace design;  // NOLINT: a command is all about one floor
 struct Options {
   std::string settings;
   std::string folder = ".";
+  std::string rung = "rigid";
   int points = 161;
 };
 
@@ -39,24 +44,70 @@ void report(const WingSettings& s, const WingDesign& d) {
             << 1e3 * s.wall_joint1_y << ")\n";
 }
 
+/// The arms' energy barrier on the way back, of the whole vehicle [J]; NaN where there is no table.
+double barrierOf(const common::Vehicle& vehicle) {
+  if (!std::filesystem::exists(vehicle.arm.table_file)) return std::numeric_limits<double>::quiet_NaN();
+  return common::curveFeatures(common::loadForceTable(vehicle.arm.table_file)).barrier_back;
+}
+
+/// Elastic bars over the table's travel: fills the stored energy and says how far the rigid bars are off.
+void compare(const WingSettings& s, const WingDesign& d, const common::Vehicle& vehicle, WingTable* table) {
+  const RungComparison c = compareRungs(d.linkage, s.bars, table->arm_rotation);
+  if (!c.converged) {
+    std::cout << "  elastic rung: " << c.message << "; no stored energy in the table\n";
+    table->provenance["stored_energy"] = "none: " + c.message;
+    return;
+  }
+  table->stored_energy = c.stored_energy;
+  table->provenance["stored_energy"] = "elastic beams with friction at the pins, snapwing linkage_elastic";
+  std::cout << "  elastic rung: tip within " << 1e3 * c.largest_tip_error << " mm and wing within "
+            << c.largest_rotation_error << " rad of the rigid rung, branch " << (c.same_branch ? "kept" : "CHANGED")
+            << ", " << (c.stable ? "stable" : "NOT STABLE") << ", largest stress " << 1e-6 * c.largest_stress
+            << " MPa, " << 1e3 * c.seconds_per_state << " ms a state\n";
+  const double barrier = barrierOf(vehicle);
+  std::cout << "  stored energy of two wings at most " << 2e3 * c.largest_energy
+            << " mJ; the arms' barrier on the way back is " << 1e3 * barrier << " mJ: ratio "
+            << 2 * c.largest_energy / barrier << "\n";
+}
+
+/// Work of friction in both wings on one way over the travel. [J]
+double frictionWork(const WingBlade& blade, const WingSettings& s, const WingTable& table) {
+  double work = 0;
+  for (std::size_t i = 1; i < table.travel.size(); ++i) {
+    const double u = 0.5 * (table.travel[i - 1] + table.travel[i]), step = table.travel[i] - table.travel[i - 1];
+    for (const WingSide side : {WingSide::LEFT, WingSide::RIGHT}) {
+      work += step * blade.frictionForce(s.motion->rotation(u), s.motion->slope(u), side).value_or(0);
+    }
+  }
+  return work;
+}
+
 void writeResults(const Options& options, const WingSettings& s, const WingDesign& d) {
   const std::filesystem::path folder(options.folder);
   std::filesystem::create_directories(folder);
-  const WingLayout layout = layoutOf(s, d, common::loadVehicle(s.vehicle_file), "rigid");
-  saveWing(layout, s, d, (folder / "wing.yaml").string());
+  const common::Vehicle vehicle = common::loadVehicle(s.vehicle_file);
+  const WingLayout layout = layoutOf(s, d, vehicle, options.rung);
   const double largest = s.motion->travelAt(s.targets[1].arm_rotation);
   auto table = tabulate(d.linkage, *s.motion, largest, options.points);
   if (!table) throw common::Error("wing table: the loop opens within the travel although the design was accepted");
-  table->provenance["command"] = "snapwing design wing";
+  table->provenance["command"] = "snapwing design wing --rung " + options.rung;
   table->provenance["snapwing_version"] = common::version();
   table->provenance["settings_sha256"] = common::sha256OfFile(s.file);
+  compare(s, d, vehicle, &*table);
+  const WingBlade blade(layout);
+  const MassProperties mass = blade.massAt(*blade.poseAt(0, WingSide::LEFT));
+  std::cout << "  one wing weighs " << 1e3 * mass.mass << " g; friction of both takes "
+            << 1e3 * frictionWork(blade, s, *table) << " mJ on one way\n";
+  saveWing(layout, s, d, (folder / "wing.yaml").string());
   saveWingTable(*table, (folder / "wing_table.h5").string());
-  std::cout << "  wrote wing.yaml and wing_table.h5 to " << options.folder << "\n";
+  saveParts(layout, (folder / "parts").string());
+  std::cout << "  wrote wing.yaml, wing_table.h5 and parts to " << options.folder << "\n";
 }
 
 void run(const Options& options, int* exit_code) {
   const WingSettings settings = loadWingSettings(options.settings);
-  const WingDesign design = designWing(RigidWingProblem(settings));
+  const WingDesign design =
+      options.rung == "elastic" ? designWing(ElasticWingProblem(settings)) : designWing(RigidWingProblem(settings));
   report(settings, design);
   if (design.status != WingStatus::DESIGNED) {
     *exit_code = 1;
@@ -81,7 +132,11 @@ void addDesignWingCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = parent(app)->add_subcommand("wing", "Joint positions of the folding wing's linkage");
   auto options = std::make_shared<Options>();
   command->add_option("settings", options->settings, "Settings, e.g. config/designs/wing_paper.yaml")->required();
-  command->add_option("-o,--output", options->folder, "Folder for wing.yaml and wing_table.h5")->capture_default_str();
+  command->add_option("-o,--output", options->folder, "Folder for wing.yaml, wing_table.h5 and parts")
+      ->capture_default_str();
+  command->add_option("--rung", options->rung, "Bars that the design is made on; the elastic ones check it anyway")
+      ->check(CLI::IsMember({"rigid", "elastic"}))
+      ->capture_default_str();
   command->add_option("--points", options->points, "Points of the table over the travel")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
