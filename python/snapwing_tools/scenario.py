@@ -15,6 +15,7 @@ from std_srvs.srv import SetBool
 from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, LinkStatus, ModeState, PulseCommand, SwitchModeAction,
                           SwitchModeGoal, SwitchModeResult, VehicleTruth)
 from snapwing.srv import PredictSnap
+from snapwing_tools.after_run import make_report
 from snapwing_tools.scenario_summary import Outcome, Switch, TruthSample, happened, table, write_result
 
 FIXED_WING, QUADROTOR = ModeState.FIXED_WING, ModeState.QUADROTOR
@@ -68,7 +69,8 @@ class Scenario:
         self.options = options
         self.outcome = Outcome()
         self.listener = Listener()
-        self.action = actionlib.SimpleActionClient("switch_mode", SwitchModeAction)
+        # Not the simple client: a quick answer can overtake its bookkeeping and is then lost.
+        self.action = actionlib.ActionClient("switch_mode", SwitchModeAction)
         self.services = {name: rospy.ServiceProxy(name, kind) for name, kind in
                          (("arm", SetBool), ("hold", SetBool), ("ring_held", SetBool), ("predict_snap", PredictSnap))}
 
@@ -243,11 +245,17 @@ class Scenario:
     # -- helpers
 
     def ask(self, target, plan_only, timeout):
-        self.action.send_goal(SwitchModeGoal(target_mode=target, plan_only=plan_only))
-        if not self.action.wait_for_result(rospy.Duration(timeout)):
-            self.action.cancel_goal()
-            raise ScenarioFailure(f"switch_mode did not answer within {timeout:g} s")
-        return self.action.get_result()
+        goal = self.action.send_goal(SwitchModeGoal(target_mode=target, plan_only=plan_only))
+        deadline = rospy.get_time() + timeout
+        while goal.get_comm_state() != actionlib.CommState.DONE:
+            if rospy.get_time() > deadline or rospy.is_shutdown():
+                goal.cancel()
+                raise ScenarioFailure(f"switch_mode did not answer within {timeout:g} s")
+            rospy.sleep(0.02)
+        result = goal.get_result()
+        if result is None:
+            raise ScenarioFailure("switch_mode is gone: the planner node ended")
+        return result
 
     def call(self, name, *arguments):
         try:
@@ -290,6 +298,8 @@ def parse_options(arguments):
     parser = argparse.ArgumentParser(prog="run_scenario", description=__doc__)
     parser.add_argument("--output-dir", default="", metavar="FOLDER",
                         help="write run_summary.json and summary.txt there")
+    parser.add_argument("--report", default="", metavar="VEHICLE.yaml",
+                        help="at the end have the recorder save FOLDER/run.h5 and make FOLDER/report.html of it")
     parser.add_argument("--kill-bridge", default="none", choices=("none", "F", "Q"),
                         help="kill radio_bridge in the middle of the pulse that starts in this mode (a test of the "
                              "failsafe; needs its process id in FOLDER/radio_bridge.pid)")
@@ -302,8 +312,8 @@ def parse_options(arguments):
                                 ("failsafe-wait", 2.0, "after a lost link, before the motors are looked at")):
         parser.add_argument(f"--{name}", type=float, default=default, metavar="S", help=f"[s] {text} (%(default)s)")
     options = parser.parse_args(arguments)
-    if options.kill_bridge != "none" and not options.output_dir:
-        parser.error("--kill-bridge needs --output-dir")
+    if (options.kill_bridge != "none" or options.report) and not options.output_dir:
+        parser.error("--kill-bridge and --report need --output-dir")
     return options
 
 
@@ -321,4 +331,9 @@ def main():
     print("\n" + table(outcome) + "\n", flush=True)
     if options.output_dir:
         write_outcome(outcome, options.output_dir)
+    if options.report:
+        say("making the report")
+        problem = make_report(options.output_dir, options.report)
+        if problem:
+            say(f"no report: {problem}")
     return 1 if outcome.trouble() else 0

@@ -141,7 +141,7 @@ def _rows(switch):
         ("energy margin: predicted", _number(switch.predicted_margin, "{:.2f} barriers")),
         ("largest speed: true", _number(truth.peak_speed, "{:.1f} m/s")),
         (None, None),
-        ("verdict", switch.trouble() or "switched"),
+        ("verdict", "FAILED" if switch.trouble() else "switched"),
     ]
 
 

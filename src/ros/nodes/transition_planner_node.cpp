@@ -202,7 +202,8 @@ class TransitionPlannerNode {
       while (answer.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
         report(Feedback::PLANNING, since, target);
       }
-      const planning::TransitionPlan found = answer.get();
+      planning::TransitionPlan found = answer.get();
+      found.compute_seconds = (ros::Time::now() - since).toSec();
       if (preempted()) return finish(result, Result::PREEMPTED, "preempted while planning");
       result.plan = toMessage(found);
       if (found.accepted) plans_[target] = result.plan;

@@ -33,6 +33,7 @@ struct WingStateSettings {
   common::Mode initial_mode = common::Mode::UNKNOWN;
   bool read_back = false;       ///< motor outputs as read back; else computed from the frames sent
   double input_delay = 0;       ///< [s] inputs are put in order of their stamps within this time
+  double link_timeout = 0;      ///< [s] without link status the motors count as stopped
   double state_rate = 0;        ///< [Hz]
   double marker_rate = 0;       ///< [Hz]
   double wing_gear = 0;         ///< [1] wing rotation / arm rotation
@@ -56,6 +57,7 @@ WingStateSettings readSettings(Params& params) {
   s.initial_mode = initial == "unknown" ? common::Mode::UNKNOWN : common::modeFromName(initial);
   s.read_back = params.choice("motor_source", {"frames", "read_back"}) == "read_back";
   s.input_delay = params.number("input_delay", {0.0, 0.5}, "s");
+  s.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
   s.state_rate = params.number("state_rate", {1.0, 200.0}, "Hz");
   s.marker_rate = params.number("marker_rate", {1.0, 60.0}, "Hz");
   s.wing_gear = params.number("wing_gear", {0.0, 10.0}, "1");
@@ -148,6 +150,10 @@ class WingStateNode {
 
   void publishState(const ros::TimerEvent&) {
     const ros::Time stamp = ros::Time::now() - ros::Duration(settings_.input_delay);
+    // A flight controller that hears nothing stops the motors: its failsafe.
+    if (!last_link_.isZero() && stamp - last_link_ > ros::Duration(settings_.link_timeout)) {
+      inputs_.emplace(seconds(stamp), Input{true, 0.0});
+    }
     feed(seconds(stamp));
     estimator_.predictTo(seconds(stamp));
     if (held_) estimator_.atRest(seconds(stamp));
