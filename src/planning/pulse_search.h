@@ -1,0 +1,61 @@
+#pragma once
+/// The planner's search: scan, NLopt refinement, check with fresh vehicles. Private to the floor.
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "fleet.h"
+
+namespace snapwing::planning {
+
+/// Value `index` of `count` from low to high, both included.
+inline double gridValue(double low, double high, int index, int count) {
+  return count > 1 ? low + (high - low) * index / (count - 1) : low;
+}
+
+/// One search: the fleet grows by what the check finds.
+class PulseSearch {
+ public:
+  /// All references must outlive the search.
+  PulseSearch(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings,
+              common::Mode start, const rom::Trial& trial, const std::function<bool()>& cancelled);
+
+  /// Coarse scan; keeps its best pulses.
+  void scan();
+  /// Best of the pulses kept, by all realisations known so far.
+  common::Pulse bestCandidate();
+  /// NLopt from a pulse.
+  common::Pulse refine(const common::Pulse& from);
+  /// Effects of single parameters; adds the corners of those that matter most to both fleets.
+  void addCorners(const common::Pulse& pulse);
+  std::vector<ParameterInfluence> influences(const common::Pulse& pulse, double* vertex_margin);
+  /// Full check with fresh realisations.
+  FleetOutcome check(const common::Pulse& pulse);
+  /// Takes the worst of a check into the search.
+  void learn(const common::Pulse& pulse, const FleetOutcome& checked);
+
+  /// What is maximised: worst margin (of the share that must switch), capped where there is enough of it, less the
+  /// price of the impulse.
+  double value(const common::Pulse& pulse, const FleetOutcome& outcome) const {
+    const double margin = outcome.reached(settings_.required_share);
+    if (!(margin > 0)) return margin;
+    return std::min(margin, settings_.enough_margin) - settings_.impulse_price * pulse.throttle * pulse.duration;
+  }
+  bool cancelled() const { return cancelled_ && cancelled_(); }
+  const Fleet& checkedFleet() const { return checked_; }
+  int evaluations() const { return evaluations_; }
+  long predictions() const { return predictions_; }
+
+ private:
+  const PlannerSettings& settings_;
+  common::Mode start_;
+  const rom::Trial& trial_;
+  const std::function<bool()>& cancelled_;
+  Fleet fleet_, checked_;
+  std::vector<common::Pulse> candidates_;
+  int evaluations_ = 0;
+  long predictions_ = 0;
+};
+
+}  // namespace snapwing::planning
