@@ -1,5 +1,6 @@
 #include "snapwing/statics/path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -39,6 +40,14 @@ void PathFollower::settle(Place& place) {
     if (slope.allFinite()) place.slope = slope;
   }
   place.stiffness = control_part(0) + free_part.dot(place.slope);
+}
+
+/// Bodies that can move freely leave a Hessian whose smallest pivot is rounding.
+bool PathFollower::supported(const Place& place, NewtonResult& last) {
+  if (place.negative_pivots > 0 || newton_.cholesky().reciprocalCondition() > 1e-15) return true;
+  last.status = SolveStatus::SINGULAR;
+  last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
+  return false;
 }
 
 PathPoint PathFollower::describe(const Place& place, int iterations) const {
@@ -103,7 +112,10 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
       last = newton_.solve(place.p, place.z, place.at);
       result.iterations += last.iterations;
       result.factorizations += last.factorizations + 1;
-      if ((good = last.converged())) settle(place);
+      if ((good = last.converged())) {
+        settle(place);
+        good = supported(place, last);
+      }
     } else {
       good = stepTo(targets[k], place, result, last);
     }

@@ -1,6 +1,7 @@
 #include "snapwing/statics/scene_curve.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace snapwing::statics {
@@ -72,6 +73,27 @@ SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, PathSet
     std::reverse(targets.begin(), targets.end());
     curve.back = follow(curve.path.points.back().solution, targets);
   }
+  return curve;
+}
+
+SceneCurve traceSceneByArc(const Scene& scene, const CompiledScene& compiled, const NewtonSettings& newton,
+                           int max_points, const std::function<bool(double, double)>& progress) {
+  ArcSettings settings;
+  settings.newton = newton;
+  settings.first_step = std::abs(scene.to) / scene.steps;
+  settings.largest_step = settings.first_step;
+  settings.max_points = max_points;
+  settings.end = scene.to;
+  settings.progress = [&](int, double control) {
+    return progress && progress(std::min(0.99, control / scene.to), control);
+  };
+  SceneCurve curve;
+  curve.multiplicity = compiled.multiplicity();
+  ArcResult arc = followArc(compiled.problem(), Eigen::VectorXd::Zero(compiled.problem().freeCount()), 0, settings);
+  curve.path = std::move(arc.path);
+  curve.limit_points = std::move(arc.limit_points);
+  curve.crossings = std::move(arc.crossings);
+  for (const PathPoint& p : curve.path.points) curve.monitors.push_back(compiled.monitors(p.solution, p.control));
   return curve;
 }
 

@@ -23,7 +23,7 @@ namespace {
 struct CurveOptions {
   std::string input, output, csv, summary, plane = "stress", kernel, vtu;
   double cell_size = 0, step = 0.001, from = NAN, to = NAN;
-  bool no_back = false, quiet = false;
+  bool no_back = false, quiet = false, arc_length = false;
   int threads = 1, particles = 0, steps = 0;
 };
 
@@ -188,7 +188,10 @@ nlohmann::json summariseScene(const statics::Scene& scene, const statics::Compil
   j["volume_share_left_out"] = compiled.droppedShare();
   j["scene_sha256"] = scene.sha256;
   j["snapwing_version"] = common::version();
-  if (scene.control_is_length) addFeatures(curve.table(), j);
+  // Features need a control that grows; a branch with snap-back has none.
+  if (scene.control_is_length && curve.limit_points.empty()) addFeatures(curve.table(), j);
+  for (const int k : curve.limit_points) j["limit_points"].push_back(curve.path.points[k].control);
+  for (const int k : curve.crossings) j["pivot_changes_after"].push_back(curve.path.points[k].control);
   for (std::size_t m = 0; m < scene.monitors.size() && !curve.monitors.empty(); ++m) {
     j["monitors_at_end"][scene.monitors[m].name] = curve.monitors.back()[m];
   }
@@ -202,8 +205,10 @@ int runScene(const CurveOptions& options) {
   settings.newton.cancelled = [] { return interrupted != 0; };
   interrupted = 0;
   const auto previous = std::signal(SIGINT, onInterrupt);
-  const statics::SceneCurve curve = statics::traceScene(
-      scene, *compiled, settings, [&](double share, double control) { return showProgress(options, share, control); });
+  const auto progress = [&](double share, double control) { return showProgress(options, share, control); };
+  const statics::SceneCurve curve =
+      options.arc_length ? statics::traceSceneByArc(scene, *compiled, settings.newton, 20 * scene.steps, progress)
+                         : statics::traceScene(scene, *compiled, settings, progress);
   std::signal(SIGINT, previous);
   const nlohmann::json summary = summariseScene(scene, *compiled, curve);
   if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
@@ -217,6 +222,7 @@ int runScene(const CurveOptions& options) {
     return 1;
   }
   if (endsWith(options.output, ".h5")) {
+    if (!curve.limit_points.empty()) throw common::Error("the branch snaps back: it has no force table; write a CSV");
     if (!scene.control_is_length) throw common::Error("a force table needs a scene with a driven port, not loads");
     common::ForceTable table = curve.table();
     for (const auto& [key, value] : summary.items()) {
@@ -290,6 +296,7 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--particles", options->particles, "Scenes: particles per axis in cut cells")
       ->check(CLI::Range(1, 16));
   command->add_option("--steps", options->steps, "Scenes: points of the path")->check(CLI::Range(1, 100000));
+  command->add_flag("--arc-length", options->arc_length, "Scenes: follow the branch by arc length, through snap-back");
   command->add_option("--vtu", options->vtu, "Scenes: folder for deformed cells of each point [VTU]");
   command->add_option("--plane", options->plane, "How the arm behaves across its thickness")
       ->check(CLI::IsMember({"stress", "strain"}))

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "snapwing/statics/path.h"
+#include "snapwing/statics/arc_length.h"
 
 namespace snapwing::statics {
 namespace {
@@ -103,6 +103,81 @@ TEST(Truss, SoftSpringSnapsToAStableState) {
     largest_jump = std::max(largest_jump, path.points[k].solution(0) - path.points[k - 1].solution(0));
   }
   EXPECT_GT(largest_jump, 0.3);
+}
+
+/// Dead load on the apex: Pi = E(z) - p z.
+class LoadedTruss : public Truss {
+ public:
+  explicit LoadedTruss(double rise) : Truss(rise, 0) {}
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const override {
+    Truss::evaluate(z, p, order, out);
+    out.energy -= p(0) * z(0);
+    out.residual(0) -= p(0);
+    out.control_force(0) = -z(0);
+    out.force_scale = 1e-3;
+  }
+  void controlTangent(const Evaluation&, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
+                      Eigen::VectorXd& control_part) const override {
+    free_part = -dp;
+    control_part = Eigen::VectorXd::Zero(1);
+  }
+};
+
+TEST(ArcLength, PassesBothLimitPointsOfTheLoadedTruss) {
+  const LoadedTruss truss(0.25);
+  ArcSettings settings;
+  settings.first_step = 1e-4;
+  settings.largest_step = 2e-4;
+  settings.end = 8e-3;
+  const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
+  ASSERT_EQ(arc.path.status, SolveStatus::CONVERGED) << arc.path.message;
+  ASSERT_EQ(arc.limit_points.size(), 2u);
+  EXPECT_EQ(arc.crossings.size(), 2u);
+  double peak = 0, valley = 0;
+  for (const PathPoint& p : arc.path.points) {
+    const double z = p.solution(0);
+    EXPECT_NEAR(p.control, truss.apexForce(z), 1e-10);
+    peak = std::max(peak, z < 0.25 ? p.control : 0);
+    valley = std::min(valley, p.control);
+    const bool between = z > 0.25 - 0.25 / std::sqrt(3.0) && z < 0.25 + 0.25 / std::sqrt(3.0);
+    if (std::abs(p.control) < 5.4e-3) {
+      EXPECT_EQ(p.negative_pivots, between ? 1 : 0) << z;
+    }
+  }
+  EXPECT_NEAR(peak, 5.4912944e-3, 2e-5);
+  EXPECT_NEAR(valley, -5.4912944e-3, 2e-5);
+}
+
+/// A soft spring makes the driven end snap back: displacement control has to jump there, arc length does not.
+TEST(ArcLength, FollowsADisplacementSnapBack) {
+  const Truss truss(0.25, 1e-2);
+  ArcSettings settings;
+  settings.first_step = 5e-3;
+  settings.largest_step = 2e-2;
+  settings.max_points = 3000;
+  settings.end = 1.2;
+  const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
+  ASSERT_EQ(arc.path.status, SolveStatus::CONVERGED) << arc.path.message;
+  EXPECT_EQ(arc.limit_points.size(), 2u);
+  double largest_jump = 0;
+  for (std::size_t k = 1; k < arc.path.points.size(); ++k) {
+    EXPECT_NEAR(arc.path.points[k].force, truss.apexForce(arc.path.points[k].solution(0)), 1e-9);
+    largest_jump =
+        std::max(largest_jump, std::abs(arc.path.points[k].solution(0) - arc.path.points[k - 1].solution(0)));
+  }
+  EXPECT_LT(largest_jump, 0.05);
+}
+
+TEST(ArcLength, SaysWhenItRanOutOfPoints) {
+  const Truss truss(0.25, 1e-2);
+  ArcSettings settings;
+  settings.first_step = 1e-3;
+  settings.largest_step = 1e-3;
+  settings.max_points = 20;
+  settings.end = 1.2;
+  const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
+  EXPECT_EQ(arc.path.status, SolveStatus::ITERATION_LIMIT);
+  EXPECT_EQ(arc.path.points.size(), 20u);
 }
 
 TEST(Truss, CancelStopsWithItsStatus) {

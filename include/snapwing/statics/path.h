@@ -51,6 +51,7 @@ class PathFollower {
   struct Place;
   bool stepTo(double target, Place& place, PathResult& result, NewtonResult& last);
   void settle(Place& place);
+  bool supported(const Place& place, NewtonResult& last);
   PathPoint describe(const Place& place, int iterations) const;
 
   const Problem& problem_;
