@@ -81,7 +81,8 @@ Plant::Rates Plant::accelerations(double ring_position, double ring_speed, doubl
   if (ringFixed()) return rates;
   const double ring_drag = ring_drag_ * std::abs(ring_speed) * ring_speed;
   const double rub = friction_ * std::tanh(ring_speed / FRICTION_SPEED);
-  rates.ring = (thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) - arms) / ring_mass_ - settings_.gravity;
+  rates.ring =
+      (thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) - arms) / ring_mass_ - settings_.gravity;
   return rates;
 }
 

@@ -16,7 +16,7 @@ struct Motion {
 };
 
 Motion runPlant(const common::Vehicle& vehicle, const common::ForceTable& table, const common::VehicleParameters& p,
-             common::Mode start, const common::Pulse& pulse, double end_time) {
+                common::Mode start, const common::Pulse& pulse, double end_time) {
   Plant plant(vehicle, table, p);
   plant.reset(start);
   const double idle = common::motorOutput(vehicle.radio, 0.0),

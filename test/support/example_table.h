@@ -1,6 +1,7 @@
 #pragma once
-/// Force table made from the study's curve (test/data/arms/arm_curve_plane_stress.csv): energy by integration, stiffness by
-/// differences, and a stiff smooth continuation to u < 0 that keeps the curve's slope and curvature at u = 0.
+/// Force table made from the study's curve (test/data/arms/arm_curve_plane_stress.csv): energy by integration,
+/// stiffness by differences, and a stiff smooth continuation to u < 0 that keeps the curve's slope and curvature at u =
+/// 0.
 
 #include <algorithm>
 #include <fstream>
