@@ -82,7 +82,6 @@ class Scenario:
             self.stop_boom()
             self.switch(FIXED_WING, QUADROTOR)
             self.stop_boom()
-            self.mark("picture_now")
             self.switch(QUADROTOR, FIXED_WING)
             self.stop_boom()
             self.disarm()
@@ -156,6 +155,8 @@ class Scenario:
         self.call("hold", False)
         if self.options.kill_bridge == NAMES[start]:
             threading.Thread(target=self.kill_bridge, args=(switch.duration,), daemon=True).start()
+        if start == QUADROTOR:
+            threading.Thread(target=self.mark_pulse, daemon=True).start()
         asked = rospy.get_time()
         result = self.ask(target, plan_only=False, timeout=self.options.switch_timeout)
         self.note_result(switch, result, asked)
@@ -191,11 +192,14 @@ class Scenario:
                 return
             rospy.sleep(0.005)
 
-    def mark(self, name):
-        """An empty file that tells others how far the scenario is."""
-        if self.options.output_dir:
-            with open(os.path.join(self.options.output_dir, name), "w", encoding="ascii"):
-                pass
+    def mark_pulse(self):
+        """The empty file picture_now tells others that the long pulse has begun: the moment worth a picture."""
+        while self.options.output_dir and not rospy.is_shutdown():
+            if self.listener.latest("link_status").bridge_state == LinkStatus.BRIDGE_PULSE:
+                rospy.sleep(0.2)  # the thrust rises first
+                with open(os.path.join(self.options.output_dir, "picture_now"), "w", encoding="ascii"):
+                    return
+            rospy.sleep(0.005)
 
     def disarm(self):
         say("disarming")

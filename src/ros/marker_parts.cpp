@@ -51,6 +51,19 @@ void addTriangle(Marker& list, const geometry_msgs::Point& a, const geometry_msg
   list.points.push_back(c);
 }
 
+void addPanel(Marker& list, const geometry_msgs::Point& a, const geometry_msgs::Point& b, const geometry_msgs::Point& c,
+              double thickness) {
+  const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
+  const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+  const double length = std::max(1e-12, std::sqrt(nx * nx + ny * ny + nz * nz));
+  const auto shifted = [&](const geometry_msgs::Point& p, double by) {
+    return point(p.x + by * nx / length, p.y + by * ny / length, p.z + by * nz / length);
+  };
+  const double half = thickness / 2;
+  addTriangle(list, shifted(a, half), shifted(b, half), shifted(c, half));
+  addTriangle(list, shifted(a, -half), shifted(c, -half), shifted(b, -half));
+}
+
 void addWasher(Marker& list, double inner_radius, double outer_radius, double thickness) {
   constexpr int SEGMENTS = 72;
   const auto corner = [&](int i, bool outer, bool top) {

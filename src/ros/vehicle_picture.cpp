@@ -14,7 +14,8 @@ namespace {
 
 constexpr double PI = 3.14159265358979323846;
 constexpr int WING_PANELS = 4;          // folds of the wing surface
-constexpr double LABEL_HEIGHT = 0.21;   // [m] over the ring
+constexpr double PANEL_THICKNESS = 1e-3;  // [m]
+constexpr double LABEL_HEIGHT = 0.22;   // [m] over the ring
 constexpr double FULL_ARROW = 0.16;     // [m] arrow of full thrust
 constexpr double ROTOR_HEIGHT = 0.028;  // [m] propeller over the ring
 
@@ -112,7 +113,7 @@ void VehiclePicture::drawFrame(MarkerArray& out, const PictureState&) const {
   addWasher(ring, g.ring_radius - g.ring_width / 2, g.ring_radius + g.ring_width / 2, g.ring_thickness);
   out.markers.push_back(ring);
 
-  Marker housing = makeMarker("housing", 0, Marker::CYLINDER, colour(0.20, 0.22, 0.26));
+  Marker housing = makeMarker("housing", 0, Marker::CYLINDER, colour(0.36, 0.39, 0.45));
   housing.header.frame_id = settings_.housing_frame;
   housing.scale.x = housing.scale.y = 2 * g.housing_radius;
   housing.scale.z = g.housing_height;
@@ -136,7 +137,7 @@ void VehiclePicture::drawRotors(MarkerArray& out, const PictureState& state) con
     motor.scale.x = motor.scale.y = 0.026;
     motor.scale.z = ROTOR_HEIGHT;
     out.markers.push_back(motor);
-    Marker disc = makeMarker("rotors", 2 * k + 1, Marker::CYLINDER, colour(0.55, 0.8, 0.95, 0.28));
+    Marker disc = makeMarker("rotors", 2 * k + 1, Marker::CYLINDER, colour(0.55, 0.8, 0.95, 0.22));
     disc.pose.position = point(x, y, ROTOR_HEIGHT);
     disc.scale.x = disc.scale.y = 2 * g.rotor_radius;
     disc.scale.z = 0.003;
@@ -144,11 +145,11 @@ void VehiclePicture::drawRotors(MarkerArray& out, const PictureState& state) con
 
     const double share = static_cast<std::size_t>(k) < state.thrust.size() ? state.thrust[static_cast<std::size_t>(k)] : 0;
     Marker arrow = makeMarker("thrust", k, Marker::ARROW, colour(0.2, 0.9, 0.35));
-    arrow.points = {point(x, y, ROTOR_HEIGHT), point(x, y, ROTOR_HEIGHT + FULL_ARROW * std::max(share, 0.02))};
+    arrow.points = {point(x, y, ROTOR_HEIGHT), point(x, y, ROTOR_HEIGHT + FULL_ARROW * share)};
     arrow.scale.x = 0.012;
     arrow.scale.y = 0.03;
     arrow.scale.z = 0.03 * std::min(1.0, 4 * share);
-    if (share < 0.02) arrow.action = Marker::DELETE;
+    if (share < 0.005) arrow.action = Marker::DELETE;
     out.markers.push_back(arrow);
   }
 }
@@ -202,7 +203,7 @@ void VehiclePicture::drawWings(MarkerArray& out, const PictureState& state) cons
                    hinge_y + settings_.wing_length * std::sin(angle), across);
     };
     const geometry_msgs::Point hinge = place(azimuth, hinge_x, hinge_y, 0);
-    Marker panels = makeMarker("wings", 2 * k, Marker::TRIANGLE_LIST, colour(0.92, 0.94, 0.98, 0.85));
+    Marker panels = makeMarker("wings", 2 * k, Marker::TRIANGLE_LIST, colour(0.92, 0.94, 0.98));
     Marker ribs = makeMarker("wings", 2 * k + 1, Marker::LINE_LIST, colour(0.25, 0.45, 0.75));
     ribs.scale.x = 0.003;
     for (int rib = 0; rib <= WING_PANELS; ++rib) {
@@ -211,7 +212,7 @@ void VehiclePicture::drawWings(MarkerArray& out, const PictureState& state) cons
       if (rib == 0) continue;
       ribs.points.push_back(tip(rib - 1));
       ribs.points.push_back(tip(rib));
-      addTriangle(panels, hinge, tip(rib - 1), tip(rib));
+      addPanel(panels, hinge, tip(rib - 1), tip(rib), PANEL_THICKNESS);
     }
     out.markers.push_back(panels);
     out.markers.push_back(ribs);
@@ -221,7 +222,7 @@ void VehiclePicture::drawWings(MarkerArray& out, const PictureState& state) cons
 void VehiclePicture::drawLabel(MarkerArray& out, const PictureState& state) const {
   Marker label = makeMarker("label", 0, Marker::TEXT_VIEW_FACING, modeColour(state.mode));
   label.pose.position.z = LABEL_HEIGHT;
-  label.scale.z = 0.045;
+  label.scale.z = 0.036;
   label.text = state.label;
   out.markers.push_back(label);
 }

@@ -19,6 +19,10 @@ visualization_msgs::Marker makeMarker(const std::string& space, int id, int type
 void addTriangle(visualization_msgs::Marker& list, const geometry_msgs::Point& a, const geometry_msgs::Point& b,
                  const geometry_msgs::Point& c);
 
+/// Both faces of a flat panel, each lit from its own side.
+void addPanel(visualization_msgs::Marker& list, const geometry_msgs::Point& a, const geometry_msgs::Point& b,
+              const geometry_msgs::Point& c, double thickness);
+
 /// Flat ring around z with its mid-plane at z = 0. [m]
 void addWasher(visualization_msgs::Marker& list, double inner_radius, double outer_radius, double thickness);
 

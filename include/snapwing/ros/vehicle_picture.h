@@ -24,7 +24,7 @@ struct PictureSettings {
   std::string housing_frame = "housing";
   double wing_length = 0.14;      ///< [m] rib length of the wing's fan
   double wing_span_angle = 2.45;  ///< [rad] fan opened in fixed-wing mode; the paper's rotation of the wing tip
-  double strain_scale = 0.25;     ///< [1] strain of the outline shown in full colour
+  double strain_scale = 0.10;     ///< [1] strain of the outline shown in full colour
 };
 
 struct PictureState {
