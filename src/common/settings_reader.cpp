@@ -188,11 +188,11 @@ std::string SettingsReader::choice(const std::string& key, const std::vector<std
 std::vector<double> SettingsReader::numbers(const std::string& key, std::size_t count, const Range& range,
                                             const std::string& unit) {
   const std::string each = describeRange(range, unit);
-  const std::string allowed = "a list of " + std::to_string(count) + ", each " + each;
+  const std::string allowed = "a list" + (count > 0 ? " of " + std::to_string(count) : "") + ", each " + each;
   const YAML::Node node = child(key, allowed);
-  if (!node.IsSequence() || node.size() != count) fail(key, describe(node), allowed);
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  if (!node.IsSequence() || (count > 0 && node.size() != count)) fail(key, describe(node), allowed);
+  std::vector<double> values(node.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
     const bool good = parseNumber(node[i], &values[i]) && values[i] >= range.low && values[i] <= range.high;
     if (!good) fail(key + "[" + std::to_string(i) + "]", describe(node[i]), each);
   }

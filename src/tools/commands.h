@@ -9,6 +9,7 @@ class App;
 namespace snapwing::tools {
 
 void addCurveCommand(CLI::App& app, int& exit_code);
+void addDesignArmCommand(CLI::App& app, int& exit_code);
 void addDesignWingCommand(CLI::App& app, int& exit_code);
 void addPredictCommand(CLI::App& app, int& exit_code);
 void addPlanCommand(CLI::App& app, int& exit_code);

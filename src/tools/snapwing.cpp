@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
       "Exit code: 0 good, 1 an honest negative outcome (refused, not converged), 2 bad input, 3 internal error.");
   int exit_code = 0;
   snapwing::tools::addCurveCommand(app, exit_code);
+  snapwing::tools::addDesignArmCommand(app, exit_code);
   snapwing::tools::addDesignWingCommand(app, exit_code);
   snapwing::tools::addPredictCommand(app, exit_code);
   snapwing::tools::addPlanCommand(app, exit_code);

@@ -60,6 +60,7 @@ class SettingsReader {
   std::string textOr(const std::string& key, const std::string& fallback);
   /// One of a few words. @throws SettingError that lists them
   std::string choice(const std::string& key, const std::vector<std::string>& allowed);
+  /// @param count  wanted length of the list; 0: any, even none
   std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range, const std::string& unit);
 
   /// A number with its origin: `{value: , unit: , plus_minus: , source: }`. The unit must be the expected one,

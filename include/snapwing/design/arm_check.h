@@ -1,0 +1,51 @@
+#pragma once
+/// Independent check of an arm design: thresholded, smoothed, meshed anew, traced 0 -> end -> 0 with stability. The
+/// verdict comes from here, not from the optimiser.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "snapwing/common/force_table.h"
+#include "snapwing/design/arm_settings.h"
+#include "snapwing/design/arm_shape.h"
+
+namespace snapwing::design {
+
+/// One traced body. Forces are TOTALS of the vehicle's arms, as the targets are.
+struct ArmCheckCase {
+  std::string name;      ///< "grey", "1.00 mm", "0.50 mm, +0.20 mm", ...
+  double cell_size = 0;  ///< [m]
+  double offset = 0;     ///< [m] of the outline
+  bool traced = false;   ///< forward and back reached their ends
+  std::string message;
+  common::CurveFeatures features{};
+  double hysteresis_share = 0;  ///< max |forward - back| over the peak [1]
+  double rotation_second = 0;   ///< [rad] at the second equilibrium; NaN if none
+  double rotation_end = 0;      ///< [rad] at the largest travel
+  int unstable_points = 0;
+  bool bistable = false;
+  common::ForceTable table;
+};
+
+/// One wish of the vehicle and whether every case meets it.
+struct ArmTarget {
+  std::string name, wanted;
+  double low = 0, high = 0;  ///< range over the cases without offset
+  bool met = false;
+};
+
+struct ArmCheck {
+  std::vector<ArmCheckCase> cases;
+  std::vector<ArmTarget> targets;
+  bool bistable = false;  ///< on every re-meshed case, offset ones too
+  bool all_met = false;
+};
+
+/// @param shape     of the thresholded design
+/// @param grey      the optimiser's own field, traced for comparison; empty: not
+/// @param progress  told the case at hand; true cancels
+ArmCheck checkArm(const ArmDesignSettings& settings, const ArmShape& shape, const mpm::DensityField& grey,
+                  const std::function<bool(const std::string&)>& progress);
+
+}  // namespace snapwing::design

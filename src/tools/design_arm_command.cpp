@@ -1,0 +1,226 @@
+// `snapwing design arm CONFIG -o DIR`: optimises a bistable arm, checks it on new geometry and writes its parts.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/design/arm_check.h"
+#include "snapwing/design/arm_parts.h"
+#include "snapwing/design/arm_run.h"
+
+namespace snapwing::tools {
+
+namespace {
+
+using namespace design;  // NOLINT: a command is all about one floor
+
+struct Options {
+  std::string settings, folder = "arm_design", density;
+  bool check_gradients = false, resume = false, quiet = false;
+  double gradient_tolerance = 1e-4;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+void onInterrupt(int) { interrupted = 1; }
+
+/// The parent `design`, which other design commands may have added before.
+CLI::App* parent(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    if (command->get_name() == "design") return command;
+  }
+  CLI::App* design = app.add_subcommand("design", "Design a part of the vehicle");
+  design->require_subcommand(1);
+  return design;
+}
+
+int checkGradients(const ArmDesignSettings& settings, double tolerance) {
+  bool good = true;
+  for (const double share : {0.0, 0.65}) {
+    const GradientCheck check = checkArmGradients(settings, share);
+    std::printf("gradients at share %.2f of the run (relative error against central differences)\n", share);
+    if (!check.valid) {
+      std::printf("  not checked: %s\n", check.message.c_str());
+      return 1;
+    }
+    for (const GradientRow& row : check.rows) {
+      std::printf("  %-14s %+.6e ", row.quantity.c_str(), row.derivative);
+      for (std::size_t k = 0; k < check.steps.size(); ++k) {
+        std::printf(" %.0e: %.1e", check.steps[k], row.relative_errors[k]);
+      }
+      std::printf("\n");
+    }
+    std::printf("  worst of the best: %.1e (allowed %.1e)\n", check.worst(), tolerance);
+    good = good && check.worst() <= tolerance;
+  }
+  return good ? 0 : 1;
+}
+
+void showProgress(const ArmProgress& p) {
+  std::printf(
+      "%4d  f %+8.4f  violation %7.4f  volume %.3f (%.3f)  grey %.3f  change %.3f  %6.1f s  R:", p.report.iteration,
+      p.report.objective, p.report.violation, p.volume, p.volume_bound, p.grey, p.report.change, p.report.seconds);
+  for (const double force : p.forces) std::printf(" %+.3f", force);
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
+
+nlohmann::json describe(const ArmCheckCase& c) {
+  nlohmann::json j = {{"name", c.name},     {"cell_size_m", c.cell_size}, {"outline_moved_m", c.offset},
+                      {"traced", c.traced}, {"message", c.message},       {"bistable", c.bistable}};
+  if (!c.traced) return j;
+  const common::CurveFeatures& f = c.features;
+  j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
+  j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
+  j["barrier_m"] = orNull(f.barrier_travel);
+  j["second_equilibrium_m"] = orNull(f.second_travel);
+  j["barrier_forward_J"] = orNull(f.barrier_forward);
+  j["barrier_back_J"] = orNull(f.barrier_back);
+  j["hysteresis_over_peak"] = orNull(c.hysteresis_share);
+  j["rotation_second_rad"] = orNull(c.rotation_second);
+  j["rotation_end_rad"] = orNull(c.rotation_end);
+  j["unstable_points"] = c.unstable_points;
+  return j;
+}
+
+nlohmann::json reportOf(const ArmDesignSettings& s, const ArmCheck& check, const ArmRun* run) {
+  nlohmann::json j;
+  j["name"] = s.name;
+  j["inputs_sha256"] = s.hash();
+  j["snapwing_version"] = common::version();
+  j["forces_are"] = "totals of " + std::to_string(s.vehicle.arm.count) + " arms";
+  j["bistable"] = check.bistable ? "yes" : "no";
+  j["all_targets_met"] = check.all_met;
+  for (const ArmTarget& t : check.targets) {
+    j["targets"].push_back(
+        {{"name", t.name}, {"wanted", t.wanted}, {"low", orNull(t.low)}, {"high", orNull(t.high)}, {"met", t.met}});
+  }
+  for (const ArmCheckCase& c : check.cases) j["cases"].push_back(describe(c));
+  if (!run) return j;
+  j["optimizer"] = {{"method", s.optimizer},
+                    {"status", nameOf(run->result.status)},
+                    {"message", run->result.message},
+                    {"iterations", run->result.state.iteration + 1},
+                    {"evaluations", run->result.evaluations},
+                    {"objective", run->result.objective},
+                    {"violation", run->result.violation},
+                    {"seconds", run->result.seconds},
+                    {"volume", run->volume},
+                    {"grey", run->grey},
+                    {"traced_from_rest", run->retraces},
+                    {"travels_m", run->travels},
+                    {"forces_per_arm_N", run->forces}};
+  return j;
+}
+
+void printCheck(const ArmCheck& check) {
+  std::printf("post-check (forces are totals)\n");
+  for (const ArmCheckCase& c : check.cases) {
+    if (!c.traced) {
+      std::printf("  %-18s not traced: %s\n", c.name.c_str(), c.message.c_str());
+      continue;
+    }
+    std::printf(
+        "  %-18s peak %.3f N @ %.1f mm, valley %+.3f N @ %.1f mm, second %.1f mm, rotation %.3f rad, hysteresis %.2f "
+        "%%, "
+        "unstable %d, bistable %s\n",
+        c.name.c_str(), c.features.peak_force, 1e3 * c.features.peak_travel, c.features.valley_force,
+        1e3 * c.features.valley_travel, 1e3 * c.features.second_travel, c.rotation_second, 100 * c.hysteresis_share,
+        c.unstable_points, c.bistable ? "yes" : "no");
+  }
+  for (const ArmTarget& t : check.targets) {
+    std::printf("  %-30s wanted %-18s found %.4g .. %.4g  %s\n", t.name.c_str(), t.wanted.c_str(), t.low, t.high,
+                t.met ? "met" : "NOT MET");
+  }
+  std::printf("bistable: %s\n", check.bistable ? "yes" : "no");
+}
+
+int judge(const ArmDesignSettings& s, const Options& options, const mpm::DensityField& field, const ArmRun* run) {
+  const ArmShape shape(field);
+  const auto tell = [&](const std::string& name) {
+    if (!options.quiet) std::fprintf(stderr, "checking %s\n", name.c_str());
+    return interrupted != 0;
+  };
+  const ArmCheck check = checkArm(s, shape, field, tell);
+  printCheck(check);
+  nlohmann::json report = reportOf(s, check, run);
+  for (const ArmCheckCase& c : check.cases) {
+    if (!c.traced) continue;
+    common::ForceTable table = c.table;
+    table.provenance = {{"case", c.name}, {"inputs_sha256", s.hash()}, {"command", "snapwing design arm"}};
+    std::string name = c.name;
+    for (char& letter : name) letter = letter == ' ' || letter == ',' ? '_' : letter;
+    common::saveForceTable(table, options.folder + "/curve_" + name + ".h5");
+  }
+  if (!shape.empty()) {
+    const ArmPartsReport parts = saveArmParts(s.vehicle, shape, options.folder + "/parts");
+    report["parts"] = {{"arm_volume_m3", parts.volume},  {"arm_mass_kg", parts.mass},
+                       {"bounding_box_m", parts.extent}, {"triangles", parts.triangles},
+                       {"watertight", parts.watertight}, {"outline_area_m2", shape.area()}};
+    std::printf("arm: %.2f cm3, %.1f g, %.1f x %.1f x %.1f mm, %d triangles, watertight %s\n", 1e6 * parts.volume,
+                1e3 * parts.mass, 1e3 * parts.extent[0], 1e3 * parts.extent[1], 1e3 * parts.extent[2], parts.triangles,
+                parts.watertight ? "yes" : "no");
+  }
+  common::writeFileAtomically(options.folder + "/report.json", report.dump(2) + "\n");
+  return check.bistable ? 0 : 1;
+}
+
+int runCommand(const Options& options) {
+  const ArmDesignSettings settings = loadArmDesignSettings(options.settings);
+  if (options.check_gradients) return checkGradients(settings, options.gradient_tolerance);
+  std::filesystem::create_directories(options.folder);
+  interrupted = 0;
+  const auto previous = std::signal(SIGINT, onInterrupt);
+  int code = 0;
+  if (!options.density.empty()) {
+    const common::ArmSettings& arm = settings.vehicle.arm;
+    code =
+        judge(settings, options, mpm::loadDensityCsv(options.density, arm.domain_length, arm.domain_height), nullptr);
+  } else {
+    ArmRunOptions run_options;
+    run_options.folder = options.folder;
+    run_options.resume = options.resume;
+    run_options.progress = [&](const ArmProgress& p) {
+      if (!options.quiet) showProgress(p);
+      return interrupted != 0;
+    };
+    const ArmRun run = runArmDesign(settings, run_options);
+    std::printf("optimiser: %s %s, objective %.4f, violation %.4f, %d evaluations, %.1f s\n",
+                nameOf(run.result.status).c_str(), run.result.message.c_str(), run.result.objective,
+                run.result.violation, run.result.evaluations, run.result.seconds);
+    saveDensityCsv(run.field, "density of arm design '" + settings.name + "', inputs " + settings.hash(),
+                   options.folder + "/density.csv");
+    const bool ended = run.result.status != OptimizerStatus::CANCELLED;
+    if (!ended) std::printf("cancelled; go on with --resume\n");
+    code = ended ? judge(settings, options, run.field, &run) : 1;
+  }
+  std::signal(SIGINT, previous);
+  return code;
+}
+
+}  // namespace
+
+void addDesignArmCommand(CLI::App& app, int& exit_code) {
+  CLI::App* command = parent(app)->add_subcommand("arm", "Topology of the bistable arm, its check and its parts");
+  auto options = std::make_shared<Options>();
+  command->add_option("settings", options->settings, "Settings, e.g. config/designs/arm_default.yaml")->required();
+  command->add_option("-o,--output", options->folder, "Folder for density, history, report, parts")
+      ->capture_default_str();
+  command->add_option("--density", options->density, "Do not optimise: check this density [CSV] and write its parts");
+  command->add_flag("--check-gradients", options->check_gradients, "Only compare derivatives with differences");
+  command->add_option("--gradient-tolerance", options->gradient_tolerance, "Largest relative error allowed")
+      ->check(CLI::Range(1e-12, 1.0))
+      ->capture_default_str();
+  command->add_flag("--resume", options->resume, "Go on from the checkpoint in the output folder");
+  command->add_flag("-q,--quiet", options->quiet, "No progress");
+  command->callback([options, &exit_code] { exit_code = runCommand(*options); });
+}
+
+}  // namespace snapwing::tools

@@ -1,0 +1,120 @@
+// The arm problem: settings, gradients, a short run that goes the right way, resume, honest failures.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/design/arm_check.h"
+#include "snapwing/design/arm_run.h"
+#include "snapwing/design/arm_topology.h"
+
+namespace snapwing::design {
+namespace {
+
+const std::string DESIGNS = std::string(SNAPWING_SOURCE_DIR) + "/config/designs/";
+
+/// The default design on 4 mm cells, with robust variants, in a few iterations.
+ArmDesignSettings coarse() {
+  ArmDesignSettings s = loadArmDesignSettings(DESIGNS + "arm_default.yaml");
+  s.cell_size = 0.004;
+  s.filter_radius = 0.008;
+  s.thresholds = {0.5, 0.6};
+  s.iterations = 6;
+  s.volume = 0.9;  // out of the way: six iterations are too few for it
+  s.slope_travels = {0.010, 0.022, 0.034};
+  return s;
+}
+
+TEST(ArmSettings, ShippedFilesLoad) {
+  for (const auto& entry : std::filesystem::directory_iterator(DESIGNS)) {
+    if (entry.path().filename().string().rfind("arm_", 0) != 0) continue;
+    EXPECT_FALSE(loadArmDesignSettings(entry.path()).name.empty()) << entry.path();
+  }
+}
+
+TEST(ArmSettings, BadValuesAreNamed) {
+  const std::string text = common::readFile(DESIGNS + "arm_default.yaml");
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    changed.replace(at, from.size(), to);
+    const std::string path = ::testing::TempDir() + "arm_bad.yaml";
+    const std::size_t vehicle = changed.find("../vehicles");
+    changed.replace(vehicle, 11, std::string(SNAPWING_SOURCE_DIR) + "/config/vehicles");
+    std::ofstream(path) << changed;
+    EXPECT_THROW(loadArmDesignSettings(path), common::SettingError) << to;
+  };
+  refused("bound: 0.5", "bound: 0.0");
+  refused("cell_size: 0.001", "cell_size: -1.0");
+  refused("method: mma", "method: guess");
+  refused("thresholds: [0.5]", "thresholds: []");
+  refused("valley_travels: [0.034, 0.040", "valley_travels: [0.044, 0.040");
+  refused("pin_patch: 0.004 ", "pin_patch: 0.004\n  surprise: 1 ");
+}
+
+TEST(ArmTopology, GradientsMatchDifferences) {
+  for (const double share : {0.0, 0.7}) {
+    const GradientCheck check = checkArmGradients(coarse(), share);
+    ASSERT_TRUE(check.valid) << check.message;
+    EXPECT_GT(check.rows.size(), 10u);
+    // The largest step's error falls with its square; 1e-6 leaves room for cancellation in R(a) - R(b).
+    for (const GradientRow& row : check.rows) {
+      EXPECT_LT(row.best(), 1e-6) << row.quantity;
+      EXPECT_GT(row.relative_errors[0], 0) << row.quantity;
+    }
+  }
+}
+
+TEST(ArmTopology, ShortRunLowersViolationAndResumes) {
+  const std::string folder = ::testing::TempDir() + "arm_resume";
+  std::filesystem::remove_all(folder);
+  ArmDesignSettings s = coarse();
+  s.sharpness_end = 1;
+  const ArmRun whole = runArmDesign(s, {});
+  ASSERT_EQ(whole.history.size(), 6u);
+  EXPECT_LT(whole.result.violation, whole.history.front().report.violation);
+  ArmRunOptions options;
+  options.folder = folder;
+  options.progress = [](const ArmProgress& p) { return p.report.iteration == 3; };
+  EXPECT_EQ(runArmDesign(s, options).result.status, OptimizerStatus::CANCELLED);
+  options.progress = nullptr;
+  options.resume = true;
+  const ArmRun rest = runArmDesign(s, options);
+  ASSERT_EQ(rest.history.size(), 3u);
+  // Warm starts differ, so equilibria agree to the solver's tolerance and not to the bit.
+  for (std::size_t k = 0; k < whole.field.value.size(); ++k) {
+    EXPECT_NEAR(rest.field.value[k], whole.field.value[k], 1e-5);
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder + "/history.csv"));
+  EXPECT_TRUE(std::filesystem::exists(folder + "/history.h5"));
+}
+
+TEST(ArmTopology, ForeignCheckpointIsRefused) {
+  const std::string folder = ::testing::TempDir() + "arm_foreign";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/checkpoint.h5") << "no HDF5";
+  ArmRunOptions options;
+  options.folder = folder;
+  options.resume = true;
+  EXPECT_THROW(runArmDesign(coarse(), options), common::FileError);
+}
+
+TEST(ArmTopology, DomainThatDoesNotFitIsRefused) {
+  EXPECT_THROW(armDomain(coarse().vehicle.arm, 0.003, 1), common::Error);
+}
+
+TEST(ArmCheck, AnUnsupportedDesignIsNotBistableAndNoError) {
+  ArmDesignSettings s = coarse();
+  s.check_cells = {0.004};
+  const ArmShape nothing(std::vector<Loop>{{{0.05, 0.001}, {0.079, 0.001}, {0.079, 0.01}, {0.05, 0.01}}});
+  const ArmCheck check = checkArm(s, nothing, {}, nullptr);
+  EXPECT_FALSE(check.bistable);
+  EXPECT_FALSE(check.cases.front().message.empty());
+}
+
+}  // namespace
+}  // namespace snapwing::design
