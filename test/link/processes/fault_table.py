@@ -1,5 +1,5 @@
 """Runs every fault of link_faults.py many times and writes the table docs/fault_table.md.
-usage: fault_table.py --programs FOLDER --helpers FOLDER [--trials 100] [--jobs 4] [--only NAME] [--write FILE]"""
+usage: fault_table.py --programs FOLDER --helpers FOLDER [--ros] [--trials 100] [--jobs 4] [--only NAME] [--write FILE]"""
 import argparse
 import concurrent.futures
 import os
@@ -8,7 +8,12 @@ import sys
 import time
 
 import link_faults
+import ros_faults
 from link_bench import IDLE
+
+MANY = (link_faults.BridgeKilled, link_faults.BridgeStopped, link_faults.OperatorKilled, link_faults.OperatorStopped,
+        *ros_faults.ALL)
+ALONE = (link_faults.Flood, link_faults.CpuStarved)  # they are about the whole machine
 
 
 def run_batch(name, programs, helpers, seed, trials):
@@ -19,7 +24,8 @@ def run_batch(name, programs, helpers, seed, trials):
     for number in range(trials):
         try:
             if fault is None:
-                fault = getattr(link_faults, name)(programs, 1000 * seed + number)
+                kind = getattr(link_faults, name, None) or getattr(ros_faults, name)
+                fault = kind(programs, 1000 * seed + number)
             results.append((*fault.trial(), ""))
         except Exception as error:  # pylint: disable=broad-except
             results.append((link_faults.NEVER, 9999, f"{type(error).__name__}: {error}"))
@@ -38,7 +44,7 @@ class Row:
         self.worst = max(result[0] for result in results)
         times = sorted(result[0] for result in results)
         self.median = times[len(times) // 2]
-        self.returned = sum(result[1] > IDLE for result in results)
+        self.returned = sum(result[1] > IDLE and not result[2] for result in results)
         self.late = sum(result[0] > kind.promise for result in results)
         self.errors = [result[2] for result in results if result[2]]
         self.good = not (self.returned or self.late or self.errors)
@@ -66,19 +72,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--programs", required=True)
     parser.add_argument("--helpers", required=True)
+    parser.add_argument("--ros", action="store_true", help="also planner, flight_link_node, master; needs a sourced workspace")
     parser.add_argument("--trials", type=int, default=100, help="for killing and stopping; a fifth of it for the others")
     parser.add_argument("--jobs", type=int, default=4)
     parser.add_argument("--only", action="append")
     parser.add_argument("--write")
     options = parser.parse_args()
-    kinds = [kind for kind in link_faults.ALL if not options.only or kind.__name__ in options.only]
+    known = link_faults.ALL + (ros_faults.ALL if options.ros else [])
+    kinds = [kind for kind in known if not options.only or kind.__name__ in options.only]
     rows = []
     with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
         for kind in kinds:
-            many = kind.__name__ in ("BridgeKilled", "BridgeStopped", "OperatorKilled", "OperatorStopped")
-            trials = options.trials if many else max(1, options.trials // 5)
-            # Load faults run alone: they are about the whole machine.
-            jobs = 1 if kind.__name__ in ("Flood", "CpuStarved") else min(options.jobs, trials)
+            trials = options.trials if kind in MANY else max(1, options.trials // 5)
+            jobs = 1 if kind in ALONE else min(options.jobs, trials)
             shares = [trials // jobs + (k < trials % jobs) for k in range(jobs)]
             batches = [pool.submit(run_batch, kind.__name__, options.programs, options.helpers, seed, share)
                        for seed, share in enumerate(shares)]
@@ -89,6 +95,8 @@ def main():
     if options.write:
         with open(options.write, "w", encoding="utf-8") as file:
             file.write(HEAD + "".join(row.text() + "\n" for row in rows))
+            for row in rows:
+                file.writelines(f"\n{row.kind.name}: {error}\n" for error in row.errors[:3])
             file.write(f"\n{time.strftime('%Y-%m-%d')}, {platform.system()} {platform.release().split('-')[0]}, {os.cpu_count()} cores.\n")
     return 0 if all(row.good for row in rows) else 1
 
