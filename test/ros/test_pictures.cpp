@@ -1,0 +1,71 @@
+// The picture's geometry: triangles fill the outline exactly, and the shipped arm deforms without tearing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "snapwing/ros/vehicle_picture.h"
+
+namespace snapwing::nodes {
+namespace {
+
+double filledArea(const std::vector<Loop>& loops) {
+  double area = 0;
+  for (const auto& triangle : triangulate(loops)) {
+    Loop corners;
+    for (const VertexId& id : triangle) corners.push_back(loops[id.loop][id.point]);
+    EXPECT_GE(signedArea(corners), 0.0);
+    area += signedArea(corners);
+  }
+  return area;
+}
+
+TEST(Triangulation, FillsConcaveOutline) {
+  const Loop ell = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 4}, {0, 4}};
+  EXPECT_NEAR(filledArea({ell}), 6.0, 1e-12);
+}
+
+TEST(Triangulation, LeavesHoleOutAndIgnoresOrientation) {
+  const Loop outer = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+  Loop hole = {{1, 1}, {1, 2}, {2, 2}, {2, 1}};
+  EXPECT_NEAR(filledArea({outer, hole}), 15.0, 1e-12);
+  std::reverse(hole.begin(), hole.end());
+  EXPECT_NEAR(filledArea({hole, outer}), 15.0, 1e-12);
+}
+
+class Picture : public testing::Test {
+ protected:
+  common::Vehicle vehicle_ = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::ForceTable table_ = common::loadForceTable(vehicle_.arm.table_file);
+  VehiclePicture picture_{vehicle_, table_, {}};
+};
+
+TEST_F(Picture, ShippedOutlineIsFilledAtEveryTravel) {
+  for (std::size_t k = 0; k < table_.travel.size(); k += 8) {
+    double expected = 0;  // outer loops and holes have opposite orientation or lie in each other
+    const auto& loops = table_.shapes.moved[k];
+    ASSERT_FALSE(loops.empty());
+    for (std::size_t i = 0; i < loops.size(); ++i) expected = std::max(expected, std::abs(signedArea(loops[i])));
+    const double filled = filledArea(loops);
+    EXPECT_GT(filled, 0.5 * expected) << "u = " << table_.travel[k];
+    EXPECT_LT(filled, 1.001 * expected) << "u = " << table_.travel[k];
+  }
+}
+
+TEST_F(Picture, NoStrainAtRestAndSomeInQuadrotorMode) {
+  double rest = 0, moved = 0;
+  for (const auto& loop : picture_.outlineStrain(picture_.outline(0.0))) {
+    for (const double strain : loop) rest = std::max(rest, std::abs(strain));
+  }
+  for (const auto& loop : picture_.outlineStrain(picture_.outline(0.05))) {
+    for (const double strain : loop) moved = std::max(moved, std::abs(strain));
+  }
+  EXPECT_LT(rest, 1e-3);
+  EXPECT_GT(moved, 0.02);
+}
+
+TEST_F(Picture, HousingMovesDownByTravel) {
+  EXPECT_NEAR(picture_.housingHeight(0.0) - picture_.housingHeight(0.05), 0.05, 1e-12);
+}
+
+}  // namespace
+}  // namespace snapwing::nodes
