@@ -1,67 +1,56 @@
-// One gradient run on the wing problem. Lengths are scaled to centimetres, so that all numbers are of order one.
+// One gradient run on the wing problem.
+#include "wing_local_search.h"
+
 #include <algorithm>
 #include <cmath>
 #include <nlopt.hpp>
-
-#include "snapwing/design/wing_design.h"
 
 namespace snapwing::design {
 
 using Eigen::Vector4d;
 
+const WingEvaluation* WingRun::at(const Vector4d& X) {
+  if (best_.evaluations == 0 || X != X_) {
+    X_ = X;
+    last_ = problem_.evaluate(X, true);
+    ++best_.evaluations;
+    finite_ = std::isfinite(last_.objective) && last_.gradient.allFinite() && last_.constraints.allFinite() &&
+              last_.jacobian.allFinite();
+    if (finite_) remember();
+  }
+  return finite_ ? &last_ : nullptr;
+}
+
+void WingRun::remember() {
+  constexpr double HOLDS = 1e-7;
+  const double violation = std::max(0.0, last_.constraints.maxCoeff());
+  const bool feasible = violation <= HOLDS, was = best_.violation <= HOLDS;
+  const bool better = feasible ? (!was || last_.objective < best_.objective) : (!was && violation < best_.violation);
+  if (!better) return;
+  best_.X = X_;
+  best_.objective = last_.objective;
+  best_.violation = violation;
+}
+
 namespace {
 
-constexpr double UNIT = 0.01;  ///< [m]
-
-/// Values of the last point asked for: objective and constraints come from one evaluation.
-class CachedProblem {
- public:
-  explicit CachedProblem(const WingProblem& problem) : problem_(problem) {}
-  const WingEvaluation& at(const double* y) {
-    const Vector4d X = UNIT * Vector4d(y[0], y[1], y[2], y[3]);
-    if (count_ == 0 || X != X_) {
-      X_ = X;
-      last_ = problem_.evaluate(X, true);
-      if (!std::isfinite(last_.objective) || !last_.gradient.allFinite() || !last_.jacobian.allFinite()) {
-        throw nlopt::forced_stop();
-      }
-      ++count_;
-      remember();
-    }
-    return last_;
-  }
-  int count() const { return count_; }
-  const LocalResult& best() const { return best_; }
-
- private:
-  void remember() {
-    const double violation = std::max(0.0, last_.constraints.maxCoeff());
-    const bool feasible = violation <= 1e-7, had = count_ > 1, was = best_.violation <= 1e-7;
-    const bool better = feasible ? (!was || last_.objective < best_.objective) : (!was && violation < best_.violation);
-    if (!had || better) {
-      best_.X = X_;
-      best_.objective = last_.objective;
-      best_.violation = violation;
-    }
-  }
-  const WingProblem& problem_;
-  Vector4d X_;
-  WingEvaluation last_;
-  LocalResult best_;
-  int count_ = 0;
-};
+const WingEvaluation& evaluated(const double* y, void* data) {
+  const WingEvaluation* e = static_cast<WingRun*>(data)->at(SEARCH_UNIT * Vector4d(y[0], y[1], y[2], y[3]));
+  if (e == nullptr) throw nlopt::forced_stop();
+  return *e;
+}
 
 double objective(unsigned, const double* y, double* gradient, void* data) {
-  const WingEvaluation& e = static_cast<CachedProblem*>(data)->at(y);
-  for (int i = 0; gradient && i < 4; ++i) gradient[i] = e.gradient[i] / UNIT;
-  return e.objective / (UNIT * UNIT);
+  const WingEvaluation& e = evaluated(y, data);
+  for (int i = 0; gradient && i < 4; ++i) gradient[i] = e.gradient[i] / SEARCH_UNIT;
+  return e.objective / (SEARCH_UNIT * SEARCH_UNIT);
 }
 
 void constraints(unsigned m, double* values, unsigned, const double* y, double* gradient, void* data) {
-  const WingEvaluation& e = static_cast<CachedProblem*>(data)->at(y);
+  const WingEvaluation& e = evaluated(y, data);
   for (unsigned k = 0; k < m; ++k) {
     values[k] = e.constraints[k];
-    for (int i = 0; gradient && i < 4; ++i) gradient[4 * k + i] = e.jacobian(k, i) * UNIT;
+    for (int i = 0; gradient && i < 4; ++i) gradient[4 * k + i] = e.jacobian(k, i) * SEARCH_UNIT;
   }
 }
 
@@ -78,15 +67,14 @@ std::string stopName(nlopt::result code) {
   }
 }
 
-std::string runNlopt(const WingProblem& problem, nlopt::algorithm algorithm, std::vector<double> y,
-                     CachedProblem* cache) {
+std::string runNlopt(const WingProblem& problem, nlopt::algorithm algorithm, std::vector<double> y, WingRun* run) {
   nlopt::opt optimizer(algorithm, 4);
-  const Vector4d low = problem.low() / UNIT, high = problem.high() / UNIT;
+  const Vector4d low = problem.low() / SEARCH_UNIT, high = problem.high() / SEARCH_UNIT;
   optimizer.set_lower_bounds({low[0], low[1], low[2], low[3]});
   optimizer.set_upper_bounds({high[0], high[1], high[2], high[3]});
-  optimizer.set_min_objective(objective, cache);
+  optimizer.set_min_objective(objective, run);
   const std::vector<double> tolerance(problem.constraintCount(), 1e-8);
-  optimizer.add_inequality_mconstraint(constraints, cache, tolerance);
+  optimizer.add_inequality_mconstraint(constraints, run, tolerance);
   optimizer.set_maxeval(problem.settings().evaluations);
   optimizer.set_xtol_rel(1e-9);
   optimizer.set_ftol_rel(1e-12);
@@ -105,12 +93,17 @@ std::string runNlopt(const WingProblem& problem, nlopt::algorithm algorithm, std
 }  // namespace
 
 LocalResult improve(const WingProblem& problem, const Vector4d& X) {
-  const Vector4d inside = X.cwiseMax(problem.low()).cwiseMin(problem.high()) / UNIT;
-  CachedProblem cache(problem);
-  const auto algorithm = problem.settings().optimizer == "nlopt_slsqp" ? nlopt::LD_SLSQP : nlopt::LD_MMA;
-  const std::string stop = runNlopt(problem, algorithm, {inside[0], inside[1], inside[2], inside[3]}, &cache);
-  LocalResult result = cache.best();
-  result.evaluations = cache.count();
+  const Vector4d inside = X.cwiseMax(problem.low()).cwiseMin(problem.high());
+  const std::string& name = problem.settings().optimizer;
+  WingRun run(problem);
+  std::string stop;
+  if (name == "own_mma") {
+    stop = runOwnMma(problem, inside, &run);
+  } else {
+    const Vector4d y = inside / SEARCH_UNIT;
+    stop = runNlopt(problem, name == "nlopt_mma" ? nlopt::LD_MMA : nlopt::LD_SLSQP, {y[0], y[1], y[2], y[3]}, &run);
+  }
+  LocalResult result = run.best();
   result.stop = stop;
   return result;
 }

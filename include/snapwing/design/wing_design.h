@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,9 @@ struct WingState {
 };
 
 struct LocalResult {
-  Eigen::Vector4d X = Eigen::Vector4d::Zero();  ///< [m]
-  double objective = 0;                         ///< [m2]
-  double violation = 0;                         ///< largest constraint, 0 if all hold [1]
+  Eigen::Vector4d X = Eigen::Vector4d::Zero();                 ///< [m]
+  double objective = 0;                                        ///< [m2]
+  double violation = std::numeric_limits<double>::infinity();  ///< largest constraint, 0 if all hold [1]
   int evaluations = 0;
   std::string stop;  ///< what ended the run
 };
