@@ -149,7 +149,8 @@ int start(const Options& o) {
   const std::int64_t session = link::randomId();
   crash_frame = link::BridgeLoop::safeFrame(protocol);
   link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
-  if (o.realtime_priority > 0) setpriority(PRIO_PROCESS, 0, -15);  // inherited by LCM's threads; the loop gets more below
+  if (o.realtime_priority > 0)
+    setpriority(PRIO_PROCESS, 0, -15);  // inherited by LCM's threads; the loop gets more below
   link::BridgeLcm lcm(o.lcm_url, key, session, loop.inbox(), loop.outbox());
   std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(),
                o.protocol.c_str(), o.lcm_url.c_str());

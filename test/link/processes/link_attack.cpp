@@ -1,5 +1,5 @@
-/// link_attack: a stray or hostile sender on the link's LCM network, for the fault table. It floods the command channels
-/// with random bytes, or with well-formed pulses, heartbeats and aborts sealed with another key.
+/// link_attack: a stray or hostile sender on the link's LCM network, for the fault table. It floods the command
+/// channels with random bytes, or with well-formed pulses, heartbeats and aborts sealed with another key.
 #include <poll.h>
 
 #include <CLI/CLI.hpp>
@@ -34,9 +34,10 @@ int main(int argc, char** argv) {
   pulse.pulse_id = 1000000;
   pulse.throttle = pulse.duration = 1.0;
   const char* channels[] = {link::CHANNEL_PULSE, link::CHANNEL_HEARTBEAT, link::CHANNEL_ABORT};
-  std::vector<std::uint8_t> messages[] = {sealer.wrap(channels[0], link::toLcm(pulse)),
-                                          sealer.wrap(channels[1], link::toLcm(link::Heartbeat{pulse.stamp, true, true, true})),
-                                          sealer.wrap(channels[2], link::toLcm(link::Abort{pulse.stamp, 1}))};
+  std::vector<std::uint8_t> messages[] = {
+      sealer.wrap(channels[0], link::toLcm(pulse)),
+      sealer.wrap(channels[1], link::toLcm(link::Heartbeat{pulse.stamp, true, true, true})),
+      sealer.wrap(channels[2], link::toLcm(link::Abort{pulse.stamp, 1}))};
   if (mode == "garbage") {
     for (auto& message : messages) {
       message.resize(64);

@@ -1,4 +1,5 @@
 """Men in the middle for the fault table: one between the operator's and the bridge's LCM network, one on the serial line."""
+import contextlib
 import heapq
 import os
 import pty
@@ -117,6 +118,8 @@ class SerialRelay:
             pass
 
     def _run(self):
+        with contextlib.suppress(PermissionError):  # a cable does not wait for a processor
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(65))
         while not self.stop:
             near = self.near
             if near is None or self.blocked:
