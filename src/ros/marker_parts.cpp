@@ -28,7 +28,8 @@ geometry_msgs::Point point(double x, double y, double z) {
 std_msgs::ColorRGBA strainColour(double relative_strain) {
   const double s = std::clamp(relative_strain, -1.0, 1.0), a = std::abs(s);
   const std::array<double, 3> rest = {0.93, 0.86, 0.70};
-  const std::array<double, 3> end = s < 0 ? std::array<double, 3>{0.10, 0.35, 0.90} : std::array<double, 3>{0.90, 0.15, 0.12};
+  const std::array<double, 3> end =
+      s < 0 ? std::array<double, 3>{0.10, 0.35, 0.90} : std::array<double, 3>{0.90, 0.15, 0.12};
   return colour(rest[0] + a * (end[0] - rest[0]), rest[1] + a * (end[1] - rest[1]), rest[2] + a * (end[2] - rest[2]));
 }
 

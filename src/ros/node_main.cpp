@@ -1,9 +1,9 @@
 #include "snapwing/ros/node_main.h"
 
-#include <exception>
-
 #include <ros/console.h>
 #include <ros/init.h>
+
+#include <exception>
 
 namespace snapwing::nodes {
 

@@ -1,9 +1,9 @@
 #include "snapwing/ros/params.h"
 
+#include <ros/console.h>
+
 #include <cmath>
 #include <sstream>
-
-#include <ros/console.h>
 
 #include "snapwing/common/error.h"
 

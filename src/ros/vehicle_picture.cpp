@@ -13,11 +13,11 @@ using visualization_msgs::MarkerArray;
 namespace {
 
 constexpr double PI = 3.14159265358979323846;
-constexpr int WING_PANELS = 4;          // folds of the wing surface
+constexpr int WING_PANELS = 4;            // folds of the wing surface
 constexpr double PANEL_THICKNESS = 1e-3;  // [m]
-constexpr double LABEL_HEIGHT = 0.22;   // [m] over the ring
-constexpr double FULL_ARROW = 0.16;     // [m] arrow of full thrust
-constexpr double ROTOR_HEIGHT = 0.028;  // [m] propeller over the ring
+constexpr double LABEL_HEIGHT = 0.22;     // [m] over the ring
+constexpr double FULL_ARROW = 0.16;       // [m] arrow of full thrust
+constexpr double ROTOR_HEIGHT = 0.028;    // [m] propeller over the ring
 
 std_msgs::ColorRGBA modeColour(common::Mode mode) {
   if (mode == common::Mode::FIXED_WING) return colour(0.25, 0.65, 1.0);
@@ -143,7 +143,8 @@ void VehiclePicture::drawRotors(MarkerArray& out, const PictureState& state) con
     disc.scale.z = 0.003;
     out.markers.push_back(disc);
 
-    const double share = static_cast<std::size_t>(k) < state.thrust.size() ? state.thrust[static_cast<std::size_t>(k)] : 0;
+    const double share =
+        static_cast<std::size_t>(k) < state.thrust.size() ? state.thrust[static_cast<std::size_t>(k)] : 0;
     Marker arrow = makeMarker("thrust", k, Marker::ARROW, colour(0.2, 0.9, 0.35));
     arrow.points = {point(x, y, ROTOR_HEIGHT), point(x, y, ROTOR_HEIGHT + FULL_ARROW * share)};
     arrow.scale.x = 0.012;
@@ -193,7 +194,8 @@ void VehiclePicture::drawWings(MarkerArray& out, const PictureState& state) cons
   const double hinge_x = g.ring_radius + g.ring_width / 2 + 0.004 - g.housing_radius;
   const double hinge_y = vehicle_.arm.pin_y + g.axle_below_ring;
   const double chord = std::sin(settings_.wing_span_angle / WING_PANELS / 2);
-  const double fold = settings_.wing_length * std::sqrt(std::max(0.0, chord * chord - std::pow(std::sin(open / WING_PANELS / 2), 2)));
+  const double fold =
+      settings_.wing_length * std::sqrt(std::max(0.0, chord * chord - std::pow(std::sin(open / WING_PANELS / 2), 2)));
   for (int k = 0; k < vehicle_.arm.count; ++k) {
     const double azimuth = 2 * PI * k / vehicle_.arm.count;
     const auto tip = [&](int rib) {

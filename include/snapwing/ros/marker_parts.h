@@ -1,9 +1,9 @@
 #pragma once
 /// Small parts that markers are made of.
 
-#include <string>
-
 #include <visualization_msgs/Marker.h>
+
+#include <string>
 
 namespace snapwing::nodes {
 

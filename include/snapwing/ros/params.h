@@ -2,12 +2,12 @@
 /// Strict private parameters of a node: each key must be known, of the right type and within its range. Reading ends
 /// with finish(), which refuses whatever nobody asked for and logs the final values once.
 
+#include <ros/node_handle.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
 #include <set>
 #include <string>
 #include <vector>
-
-#include <ros/node_handle.h>
-#include <xmlrpcpp/XmlRpcValue.h>
 
 #include "snapwing/common/settings_reader.h"
 #include "snapwing/common/vehicle.h"

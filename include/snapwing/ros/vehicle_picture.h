@@ -6,11 +6,11 @@
 /// moves by -u along z. An arm's coordinates (x outward, y up) lie in the vertical plane through the ring's axis:
 /// radius = housing_radius + x, z = -axle_below_ring + (y - pin_y).
 
+#include <visualization_msgs/MarkerArray.h>
+
 #include <array>
 #include <string>
 #include <vector>
-
-#include <visualization_msgs/MarkerArray.h>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/mode.h"
@@ -28,11 +28,11 @@ struct PictureSettings {
 };
 
 struct PictureState {
-  double travel = 0;                                ///< u [m]
-  double wing_angle = 0;                            ///< [rad] 0 = unfolded
-  common::Mode mode = common::Mode::UNKNOWN;        ///< colours the label
-  std::string label;                                ///< text over the vehicle
-  std::vector<double> thrust;                       ///< share of full thrust [0, 1] of each rotor; may be empty
+  double travel = 0;                          ///< u [m]
+  double wing_angle = 0;                      ///< [rad] 0 = unfolded
+  common::Mode mode = common::Mode::UNKNOWN;  ///< colours the label
+  std::string label;                          ///< text over the vehicle
+  std::vector<double> thrust;                 ///< share of full thrust [0, 1] of each rotor; may be empty
   ros::Time stamp;
 };
 

@@ -39,4 +39,6 @@ class DesignNode {
 
 }  // namespace snapwing::nodes
 
-int main(int argc, char** argv) { return snapwing::nodes::runNode<snapwing::nodes::DesignNode>(argc, argv, "design_node"); }
+int main(int argc, char** argv) {
+  return snapwing::nodes::runNode<snapwing::nodes::DesignNode>(argc, argv, "design_node");
+}

@@ -1,11 +1,11 @@
 /// reduced_model_node: answers what a thrust pulse does (service predict_snap), from the lumped model of the vehicle.
 
-#include <chrono>
-
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/console.h>
 #include <ros/timer.h>
 #include <snapwing/PredictSnap.h>
+
+#include <chrono>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/rom/lumped_model.h"
@@ -18,8 +18,7 @@ namespace snapwing::nodes {
 
 class ReducedModelNode {
  public:
-  explicit ReducedModelNode(Handles& handles)
-      : ReducedModelNode(handles, Params::fromServer(handles.own)) {}
+  explicit ReducedModelNode(Handles& handles) : ReducedModelNode(handles, Params::fromServer(handles.own)) {}
 
  private:
   ReducedModelNode(Handles& handles, Params params)
@@ -28,7 +27,8 @@ class ReducedModelNode {
     service_ = handles.relative.advertiseService(topics::PREDICT_SNAP, &ReducedModelNode::predict, this);
     diagnostics_.setHardwareID(vehicle_.name);
     diagnostics_.add("predictions", this, &ReducedModelNode::diagnose);
-    timer_ = handles.relative.createTimer(ros::Duration(0.5), [this](const ros::TimerEvent&) { diagnostics_.update(); });
+    timer_ =
+        handles.relative.createTimer(ros::Duration(0.5), [this](const ros::TimerEvent&) { diagnostics_.update(); });
   }
 
   rom::LumpedModel makeModel(Params& params) const {

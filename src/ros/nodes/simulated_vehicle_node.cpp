@@ -1,12 +1,7 @@
-/// simulated_vehicle_node: a vehicle that stands in for the real one. It is moved by nothing but the flight controller's
-/// motor outputs (UDP) and the experimenter's hand (service hold), runs in real time, has parameters of its own drawn
-/// within the uncertainty of the vehicle file, and publishes what its IMU measures and, for reports, the truth.
-
-#include <atomic>
-#include <chrono>
-#include <mutex>
-#include <random>
-#include <thread>
+/// simulated_vehicle_node: a vehicle that stands in for the real one. It is moved by nothing but the flight
+/// controller's motor outputs (UDP) and the experimenter's hand (service hold), runs in real time, has parameters of
+/// its own drawn within the uncertainty of the vehicle file, and publishes what its IMU measures and, for reports, the
+/// truth.
 
 #include <ros/console.h>
 #include <ros/publisher.h>
@@ -14,6 +9,12 @@
 #include <sensor_msgs/Imu.h>
 #include <snapwing/VehicleTruth.h>
 #include <std_srvs/SetBool.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <random>
+#include <thread>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/dynamics/plant.h"
@@ -33,11 +34,11 @@ struct SimulationSettings {
   common::Mode initial_mode = common::Mode::FIXED_WING;
   dynamics::PlantSettings plant;
   std::uint16_t motor_port = 0;
-  double motor_timeout = 0;   ///< [s]
-  double imu_period = 0;      ///< [s]
-  double truth_period = 0;    ///< [s]
-  double imu_noise = 0;       ///< [m/s2]
-  double imu_bias = 0;        ///< [m/s2] standard deviation of the vehicle's own constant offset
+  double motor_timeout = 0;  ///< [s]
+  double imu_period = 0;     ///< [s]
+  double truth_period = 0;   ///< [s]
+  double imu_noise = 0;      ///< [m/s2]
+  double imu_bias = 0;       ///< [m/s2] standard deviation of the vehicle's own constant offset
   std::string imu_frame;
 };
 
@@ -68,8 +69,7 @@ SimulationSettings readSettings(Params& params) {
 
 class SimulatedVehicleNode {
  public:
-  explicit SimulatedVehicleNode(Handles& handles)
-      : SimulatedVehicleNode(handles, Params::fromServer(handles.own)) {}
+  explicit SimulatedVehicleNode(Handles& handles) : SimulatedVehicleNode(handles, Params::fromServer(handles.own)) {}
 
   ~SimulatedVehicleNode() {
     stop_ = true;

@@ -79,8 +79,9 @@ class TransitionPlannerNode {
         trial_(readTrial(params)),
         settings_(readSwitch(params)),
         planner_(vehicle_, common::loadForceTable(vehicle_.arm.table_file), readPlanner(params)),
-        server_(handles.relative, topics::SWITCH_MODE, [this](const SwitchModeGoalConstPtr& goal) { onGoal(*goal); },
-                false) {
+        server_(
+            handles.relative, topics::SWITCH_MODE, [this](const SwitchModeGoalConstPtr& goal) { onGoal(*goal); },
+            false) {
     params.finish();
     ros::NodeHandle& nh = handles.relative;
     plan_publisher_ = nh.advertise<TransitionPlan>(topics::TRANSITION_PLAN, 4, true);
@@ -126,8 +127,10 @@ class TransitionPlannerNode {
   std::string linkTrouble() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (link_time_.isZero()) return "no link status was ever received";
-    if (ros::Time::now() - link_time_ > ros::Duration(settings_.fresh)) return "the link status stopped: is the radio bridge running?";
-    if (link_.bridge_state == LinkStatus::BRIDGE_FAULT) return "the radio bridge latched a fault: " + link_.bridge_fault;
+    if (ros::Time::now() - link_time_ > ros::Duration(settings_.fresh))
+      return "the link status stopped: is the radio bridge running?";
+    if (link_.bridge_state == LinkStatus::BRIDGE_FAULT)
+      return "the radio bridge latched a fault: " + link_.bridge_fault;
     if (!link_.controller_connected) return "the flight controller does not answer";
     if (link_.controller_failsafe) return "the flight controller is in failsafe";
     if (!link_.controller_armed) return "the flight controller is not armed";
@@ -196,9 +199,8 @@ class TransitionPlannerNode {
   bool plan(common::Mode start, common::Mode target, Result& result) {
     const ros::Time since = ros::Time::now();
     if (!plans_.count(target)) {
-      std::future<planning::TransitionPlan> answer = std::async(std::launch::async, [&] {
-        return planner_.plan(start, target, trial_, [this] { return preempted(); });
-      });
+      std::future<planning::TransitionPlan> answer = std::async(
+          std::launch::async, [&] { return planner_.plan(start, target, trial_, [this] { return preempted(); }); });
       while (answer.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
         report(Feedback::PLANNING, since, target);
       }

@@ -1,9 +1,6 @@
 /// wing_state_node: estimates travel and mode from the frames sent to the flight controller and the centre's IMU, and
 /// publishes the estimate (mode_state), frames (tf2) and markers. It knows nothing of the simulation's truth.
 
-#include <algorithm>
-#include <map>
-
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/console.h>
 #include <ros/publisher.h>
@@ -15,6 +12,9 @@
 #include <snapwing/ModeState.h>
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/transform_broadcaster.h>
+
+#include <algorithm>
+#include <map>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/planning/mode_estimator.h"
@@ -31,13 +31,13 @@ namespace {
 struct WingStateSettings {
   planning::EstimatorSettings estimator;
   common::Mode initial_mode = common::Mode::UNKNOWN;
-  bool read_back = false;       ///< motor outputs as read back; else computed from the frames sent
-  double input_delay = 0;       ///< [s] inputs are put in order of their stamps within this time
-  double link_timeout = 0;      ///< [s] without link status the motors count as stopped
-  double state_rate = 0;        ///< [Hz]
-  double marker_rate = 0;       ///< [Hz]
-  double wing_gear = 0;         ///< [1] wing rotation / arm rotation
-  double display_height = 0;    ///< [m] of base_link over map
+  bool read_back = false;     ///< motor outputs as read back; else computed from the frames sent
+  double input_delay = 0;     ///< [s] inputs are put in order of their stamps within this time
+  double link_timeout = 0;    ///< [s] without link status the motors count as stopped
+  double state_rate = 0;      ///< [Hz]
+  double marker_rate = 0;     ///< [Hz]
+  double wing_gear = 0;       ///< [1] wing rotation / arm rotation
+  double display_height = 0;  ///< [m] of base_link over map
   std::string map_frame;
   PictureSettings picture;
 };
@@ -123,7 +123,8 @@ class WingStateNode {
     const common::Radio& radio = vehicle_.radio;
     if (settings_.read_back) {
       double sum = 0;
-      const std::size_t count = std::min<std::size_t>(link.motors.size(), static_cast<std::size_t>(vehicle_.rotors.count));
+      const std::size_t count =
+          std::min<std::size_t>(link.motors.size(), static_cast<std::size_t>(vehicle_.rotors.count));
       for (std::size_t i = 0; i < count; ++i) sum += (link.motors[i] - 1000.0) / 1000.0;
       return count > 0 ? std::clamp(sum / static_cast<double>(count), 0.0, 1.0) : 0;
     }
@@ -201,21 +202,24 @@ class WingStateNode {
     state.stamp = ros::Time::now() - ros::Duration(settings_.input_delay);
     state.label = label();
     const bool fresh = !last_link_.isZero() && ros::Time::now() - last_link_ < ros::Duration(0.5);
-    const double thrust = fresh ? common::thrustFraction(vehicle_.rotors.quadratic_share.value, motorOutput(link_status_)) : 0;
+    const double thrust =
+        fresh ? common::thrustFraction(vehicle_.rotors.quadratic_share.value, motorOutput(link_status_)) : 0;
     state.thrust.assign(static_cast<std::size_t>(vehicle_.rotors.count), thrust);
     marker_publisher_.publish(picture_.draw(state));
   }
 
   std::string label() const {
     const double best = std::max(estimate_.probability_fixed_wing, estimate_.probability_quadrotor);
-    std::string text = estimate_.mode == common::Mode::FIXED_WING   ? "FIXED WING"
+    std::string text = estimate_.mode == common::Mode::FIXED_WING  ? "FIXED WING"
                        : estimate_.mode == common::Mode::QUADROTOR ? "QUADROTOR"
-                                                                    : "mode not known";
+                                                                   : "mode not known";
     char numbers[64];
     std::snprintf(numbers, sizeof numbers, "  %.0f %%   u = %.0f mm", 100 * best, 1000 * estimate_.travel);
     text += numbers;
-    if (link_status_.controller_failsafe) text += "\nFAILSAFE";
-    else if (!link_status_.bridge_fault.empty()) text += "\nlink: " + link_status_.bridge_fault;
+    if (link_status_.controller_failsafe)
+      text += "\nFAILSAFE";
+    else if (!link_status_.bridge_fault.empty())
+      text += "\nlink: " + link_status_.bridge_fault;
     return text;
   }
 
