@@ -49,10 +49,10 @@ TEST(ArmSettings, BadValuesAreNamed) {
     EXPECT_THROW(loadArmDesignSettings(path), common::SettingError) << to;
   };
   refused("bound: 0.5", "bound: 0.0");
-  refused("cell_size: 0.001", "cell_size: -1.0");
+  refused("cell_size: 0.002", "cell_size: -1.0");
   refused("method: mma", "method: guess");
-  refused("thresholds: [0.5]", "thresholds: []");
-  refused("valley_travels: [0.034, 0.040", "valley_travels: [0.044, 0.040");
+  refused("thresholds: [0.5, 0.58, 0.42]", "thresholds: []");
+  refused("valley_travels: [0.034, 0.038", "valley_travels: [0.044, 0.038");
   refused("pin_patch: 0.004 ", "pin_patch: 0.004\n  surprise: 1 ");
 }
 
