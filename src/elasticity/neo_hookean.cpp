@@ -39,32 +39,59 @@ NeoHookean<D>::NeoHookean(const Material& material, const DensityInterpolation& 
   linear_lambda_ = plane_stress_ ? 2 * mu_ * lambda_ / (lambda_ + 2 * mu_) : lambda_;
 }
 
+namespace {
+
+/// x - ln(1 + x) and (e^2t - 1)/2 - t without cancellation: energies stay exact at small strain, where a line search
+/// compares them.
+double beyondLog(double x) {
+  if (std::abs(x) > 0.01) return x - std::log1p(x);
+  double sum = 0;
+  for (int n = 10; n >= 2; --n) sum = (n % 2 == 0 ? 1.0 : -1.0) / n + x * sum;
+  return x * x * sum;
+}
+double beyondExp(double t) {
+  if (std::abs(t) > 0.01) return 0.5 * std::expm1(2 * t) - t;
+  double sum = 0, term = 1;  // t^2 (1 + 2t/3 (1 + 2t/4 (1 + ...)))
+  for (int n = 3; n <= 10; ++n) {
+    sum += term;
+    term *= 2 * t / n;
+  }
+  return t * t * sum;
+}
+
+/// det(I + h) - 1 - tr h.
+double beyondTrace(const Matrix<2>& h) { return h.determinant(); }
+double beyondTrace(const Matrix<3>& h) { return 0.5 * (h.trace() * h.trace() - (h * h).trace()) + h.determinant(); }
+
+}  // namespace
+
 template <int D>
 typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
-  if (!plane_stress_) return {-log_mu_ * z + 0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
-  // Monotone and convex in t: Newton from the left-hand linear guess ends within a few rounds.
+  if (!plane_stress_) return {0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
+  // Monotone and convex in t: Newton from the linear guess ends within a few rounds.
   double t = -lambda_ * z / (2 * mu_ + lambda_);
   for (int i = 0; i < 60; ++i) {
     const double value = mu_ * std::expm1(2 * t) + lambda_ * (z + t);
     const double slope = 2 * mu_ * std::exp(2 * t) + lambda_;
     const double step = value / slope;
     t -= step;
-    if (std::abs(step) < 1e-15 * (1 + std::abs(t))) break;
+    if (std::abs(step) < 1e-15 * (1e-300 + std::abs(t))) break;
   }
   const double squared = std::exp(2 * t), sum = z + t;
-  return {0.5 * mu_ * std::expm1(2 * t) - mu_ * sum + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
+  return {mu_ * beyondExp(t) + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
           lambda_ * 2 * mu_ * squared / (2 * mu_ * squared + lambda_)};
 }
 
 template <int D>
 bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
-  out.det_f = f.determinant();
+  const Matrix<D> h = f - Matrix<D>::Identity();
+  const double minors = beyondTrace(h), change = h.trace() + minors;
+  out.det_f = 1 + change;
   if (!(out.det_f > 0)) return false;
   const Matrix<D> q = f.inverse().transpose();
-  const Volumetric v = volumetric(std::log(out.det_f));
-  // |F|^2 - D from H keeps its digits at small strain.
-  const Matrix<D> h = f - Matrix<D>::Identity();
-  out.energy = 0.5 * mu_ * (h.squaredNorm() + 2 * h.trace()) + v.g;
+  const Volumetric v = volumetric(std::log1p(change));
+  // mu/2 (|F|^2 - D) - mu ln J, with the first orders cancelled by hand.
+  out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (beyondLog(change) - minors) + v.g;
   out.stress = mu_ * f + v.slope * q;
   out.compact = true;
   out.tangent.a = mu_;

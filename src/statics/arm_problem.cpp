@@ -67,7 +67,9 @@ ArmProblem::ArmProblem(const common::ArmSettings& arm, const elasticity::Materia
   field_ = same ? design : design.resampled(settings.cell_size);
   solid_ = makeSolid(arm, material, field_, settings);
   Reduction reduction(solid_->dofCount(), 1, makeEquations(arm, *solid_));
-  const double floor = 1e-13 * material.youngs_modulus * field_.cell_size * arm.leg_thickness;
+  // Rounding of the deformation gradient times the modulus: no residual can be told from zero below that.
+  const double modulus = material.lambda() + 2 * material.mu();
+  const double floor = 1e-13 * modulus * field_.cell_size * arm.leg_thickness;
   problem_ =
       std::make_unique<SolidProblem<2>>(solid_, std::move(reduction), Eigen::MatrixXd(), settings.threads, floor);
 }

@@ -83,16 +83,19 @@ bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evalu
 
 bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at) {
   const double slope = at.residual.dot(d);
-  // Below this, differences of the energy are rounding and the residual decides.
-  const double rounding = 1e-13 * (std::abs(at.elastic_energy) + std::abs(at.energy) + std::abs(slope));
+  // Near the solution differences of the energy are rounding; slopes of it are not, and decide there instead
+  // (approximate Wolfe conditions, Hager and Zhang 2005).
+  const double rounding = 1e-10 * (std::abs(at.elastic_energy) + std::abs(at.energy - at.elastic_energy));
   double length = 1;
   for (int trial = 0; trial < 40; ++trial, length *= 0.5) {
     const Eigen::VectorXd candidate = z + length * d;
-    evaluate(candidate, p, trial == 0 ? Order::TANGENT : Order::ENERGY, trial_);
+    evaluate(candidate, p, trial == 0 ? Order::TANGENT : Order::STRESS, trial_);
     if (!trial_.finite) continue;
     const bool lower = trial_.energy <= at.energy + 1e-4 * length * slope;
-    const bool as_good = std::abs(slope) * length <= 1e3 * rounding && trial_.energy <= at.energy + rounding;
-    if (!lower && !as_good) continue;
+    const double slope_there = trial_.residual.dot(d);
+    const bool flatter =
+        trial_.energy <= at.energy + rounding && slope_there >= 0.9 * slope && slope_there <= -0.998 * slope;
+    if (!lower && !flatter) continue;
     if (trial > 0) evaluate(candidate, p, Order::TANGENT, trial_);
     z = candidate;
     std::swap(at, trial_);

@@ -338,10 +338,11 @@ class CompiledSceneOf : public CompiledScene {
   }
 
   double forceFloor() const {
-    double softest = std::numeric_limits<double>::infinity();
-    for (const SceneBody& b : scene_.bodies) softest = std::min(softest, b.material.youngs_modulus);
+    // Rounding of the deformation gradient times the stiffest modulus: no residual can be told from zero below that.
+    double stiffest = 0;
+    for (const SceneBody& b : scene_.bodies) stiffest = std::max(stiffest, b.material.lambda() + 2 * b.material.mu());
     const double across = D == 2 ? scene_.bodies[0].thickness : scene_.cell_size;
-    return 1e-13 * softest * scene_.cell_size * across;
+    return 1e-13 * stiffest * scene_.cell_size * across;
   }
 
   double displacement(const SceneMonitor& m, const Eigen::VectorXd& u) const {

@@ -33,7 +33,7 @@ class NeoHookean : public ConstitutiveModel<D> {
   bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const override;
 
  private:
-  /// Function of z = ln J beside mu/2 |F|^2, with the constant that makes W zero at rest.
+  /// g(z) + mu z and the derivatives g', g'' of the function of z = ln J beside mu/2 |F|^2.
   struct Volumetric {
     double g, slope, curvature;
   };
