@@ -9,7 +9,7 @@ import time
 
 import link_faults
 import ros_faults
-from link_bench import IDLE
+from link_bench import IDLE, NotBegun
 
 MANY = (link_faults.BridgeKilled, link_faults.BridgeStopped, link_faults.OperatorKilled, link_faults.OperatorStopped,
         *ros_faults.ALL)
@@ -17,7 +17,7 @@ ALONE = (link_faults.Flood, link_faults.CpuStarved)  # they are about the whole 
 
 
 def run_batch(name, programs, helpers, seed, trials):
-    """@return list of (seconds to idle, largest output afterwards, error text)"""
+    """@return list of (seconds to idle, largest output afterwards, error text), None for trials that did not begin"""
     os.environ["SNAPWING_TEST_HELPERS"] = helpers
     results = []
     fault = None
@@ -27,6 +27,11 @@ def run_batch(name, programs, helpers, seed, trials):
                 kind = getattr(link_faults, name, None) or getattr(ros_faults, name)
                 fault = kind(programs, 1000 * seed + number)
             results.append((*fault.trial(), ""))
+        except NotBegun:
+            results.append(None)
+            if fault is not None:
+                fault.close()
+            fault = None
         except Exception as error:  # pylint: disable=broad-except
             results.append((link_faults.NEVER, 9999, f"{type(error).__name__}: {error}"))
             if fault is not None:
@@ -40,6 +45,8 @@ def run_batch(name, programs, helpers, seed, trials):
 class Row:
     def __init__(self, kind, results):
         self.kind = kind
+        self.void = results.count(None)
+        results = [result for result in results if result is not None] or [(link_faults.NEVER, 9999, "no trial began")]
         self.trials = len(results)
         self.worst = max(result[0] for result in results)
         times = sorted(result[0] for result in results)
@@ -50,7 +57,7 @@ class Row:
         self.good = not (self.returned or self.late or self.errors)
 
     def text(self):
-        return (f"| {self.kind.name} | {self.kind.guard} | {1000 * self.kind.promise:.0f} | {self.trials} | "
+        return (f"| {self.kind.name} | {self.kind.guard} | {1000 * self.kind.promise:.0f} | {self.trials} | {self.void} | "
                 f"{1000 * self.median:.0f} | {1000 * self.worst:.0f} | {self.late} | {self.returned} | "
                 f"{'yes' if self.good else 'NO'} |")
 
@@ -61,10 +68,11 @@ Written by `test/link/processes/fault_table.py`, which runs the real programs (r
 standin_flight_controller) on one machine and does each harm at a random moment of a full-throttle pulse. Times run from
 the harm to the motors' outputs at idle or off, as the stand-in flight controller puts them out; for faults that need not
 break the pulse off they run from the pulse's own end. "Thrust returned" counts trials in which the outputs rose above idle again
-for more than 2 ms afterwards, with the failed part restarted, continued or plugged in again. docs/safety.md explains the promises.
+for more than 2 ms afterwards, with the failed part restarted, continued or plugged in again. "Void" trials did not begin, because a
+busy machine let arming or the command fail. docs/safety.md explains the promises.
 
-| fault | who notices | promised [ms] | trials | median [ms] | worst [ms] | late | thrust returned | kept |
-|---|---|---|---|---|---|---|---|---|
+| fault | who notices | promised [ms] | trials | void | median [ms] | worst [ms] | late | thrust returned | kept |
+|---|---|---|---|---|---|---|---|---|---|
 """
 
 

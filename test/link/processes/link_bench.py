@@ -31,6 +31,10 @@ def wait_for(condition, timeout, what):
     raise AssertionError(f"not within {timeout} s: {what}")
 
 
+class NotBegun(AssertionError):
+    """The harm could not be done because arming or the pulse before it failed (a machine too busy): says nothing about the fault."""
+
+
 class Process:
     """A child whose output lines are read by a thread and handed to `on_line`."""
 
@@ -203,7 +207,7 @@ class Bench:
                         time.sleep(0.25)  # the bridge takes a controller that it cannot ask for armed after 0.2 s
                         return
                 time.sleep(0.005)
-        raise AssertionError(f"not armed: {self.status()} {self.bridge.lines[-3:]}")
+        raise NotBegun(f"not armed: {self.status()} {self.bridge.lines[-3:]}")
 
     def pulse(self, throttle=1.0, duration=1.0, wait=True):
         """@return time at which the motors rose"""
@@ -211,5 +215,8 @@ class Bench:
         sent = time.monotonic()
         self.console.send(f"pulse {self.pulse_id} {throttle} {duration}")
         if wait:
-            wait_for(lambda: self.motors.last()["motor"] > IDLE, 1.0, f"motors rise: {self.status()}")
+            try:
+                wait_for(lambda: self.motors.last()["motor"] > IDLE, 1.0, f"motors rise: {self.status()}")
+            except AssertionError as error:
+                raise NotBegun(str(error)) from error
         return sent

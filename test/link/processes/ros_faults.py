@@ -6,7 +6,7 @@ import socket
 import subprocess
 import time
 
-from link_bench import Bench, Process, free_port
+from link_bench import Bench, NotBegun, Process, free_port
 from link_faults import Fault, Undisturbed
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -59,7 +59,7 @@ class RosBench(Bench):
                 if self.fresh().get("state") == "armed" and self.fresh().get("armed") and self.motors.last()["armed"]:
                     return
                 time.sleep(0.005)
-        raise AssertionError(f"not armed: {self.status()} {self.node.lines[-3:]}")
+        raise NotBegun(f"not armed: {self.status()} {self.node.lines[-3:]}")
 
 
 class OnRos(Fault):
