@@ -44,7 +44,7 @@ void PathFollower::settle(Place& place) {
 
 /// Bodies that can move freely leave a Hessian whose smallest pivot is rounding.
 bool PathFollower::supported(const Place& place, NewtonResult& last) {
-  if (place.negative_pivots > 0 || newton_.cholesky().reciprocalCondition() > 1e-15) return true;
+  if (place.negative_pivots >= 0 && newton_.cholesky().reciprocalCondition() > 1e-15) return true;
   last.status = SolveStatus::SINGULAR;
   last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
   return false;

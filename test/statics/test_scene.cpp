@@ -181,6 +181,18 @@ TEST(Scene, UnsupportedBodiesEndWithAReason) {
   EXPECT_NE(curve.path.message.find("support"), std::string::npos);
 }
 
+/// The free body's rigid motions leave pivots of rounding, of either sign.
+TEST(Scene, ASecondBodyThatNothingHoldsEndsWithAReason) {
+  const std::string text =
+      box("linear", 2,
+          "  loose:\n    material: {youngs_modulus: 1.0e+6, poisson_ratio: 0.3}\n    thickness: 2\n"
+          "    shape: {box: {x: [10, 12], y: [0, 2]}}\n"
+          "supports:\n  - {name: wall, body: block, region: {x: [0, 0]}, hold: xy}\n"
+          "ports:\n  - {name: pull, body: block, region: {x: [3, 3]}, direction: [1, 0], "
+          "cross_motion: held}\npath: {to: 1, steps: 2}\n");
+  EXPECT_EQ(trace(sceneFromText(text)).path.status, SolveStatus::SINGULAR);
+}
+
 TEST(Scene, JointAtADrivenPortIsDroppedOrRefused) {
   const std::string base =
       "supports:\n  - {name: wall, region: {x: [0, 0]}, hold: xy}\n"
