@@ -239,6 +239,10 @@ class Scenario:
         commanded = command.header.stamp.to_sec() if command else asked
         barrier = self.listener.latest("force_curve").barrier_travel
         switch.happened = happened(self.listener.truth_since(asked), barrier, max(commanded, asked))
+        # A busy machine may deliver late; an estimate that has stopped counts as unknown.
+        deadline = rospy.get_time() + 3.0
+        while self.listener.age("mode_state") > 0.2 and rospy.get_time() < deadline:
+            rospy.sleep(0.02)
         state = self.listener.latest("mode_state")
         fresh = self.listener.age("mode_state") < 0.5
         switch.estimated_mode = state.mode if fresh else ModeState.UNKNOWN

@@ -15,7 +15,7 @@ namespace {
 constexpr double PI = 3.14159265358979323846;
 constexpr int WING_PANELS = 4;            // folds of the wing surface
 constexpr double PANEL_THICKNESS = 1e-3;  // [m]
-constexpr double LABEL_HEIGHT = 0.22;     // [m] over the ring
+constexpr double LABEL_HEIGHT = 0.27;     // [m] over the ring
 constexpr double FULL_ARROW = 0.16;       // [m] arrow of full thrust
 constexpr double ROTOR_HEIGHT = 0.028;    // [m] propeller over the ring
 
