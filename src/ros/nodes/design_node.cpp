@@ -27,6 +27,11 @@ class DesignNode {
     ForceDisplacementCurve curve = curveMessage(table);
     geometry.header.frame_id = curve.header.frame_id = frame;
     geometry.header.stamp = curve.header.stamp = ros::Time::now();
+    const auto computed_for = table.provenance.find("density_sha256");
+    if (computed_for == table.provenance.end() || computed_for->second != geometry.density_sha256) {
+      ROS_WARN_STREAM("stale table: " << vehicle.arm.table_file << " was not computed from the density now in "
+                                      << vehicle.arm.density_file);
+    }
     geometry_.publish(geometry);
     curve_.publish(curve);
     if (!curve.bistable) ROS_WARN("the arm's force curve is not bistable: no switch can be planned");
