@@ -53,8 +53,9 @@ build() {
     cmake -S "$SNAPWING_ROOT" -B "$SNAPWING_BUILD" -G Ninja -DPYTHON_EXECUTABLE=/usr/bin/python3 \
       -DSNAPWING_WERROR="${SNAPWING_WERROR:-OFF}" >"$log" 2>&1 || { tail -n 40 "$log" >&2; die "cmake failed"; }
   fi
-  if ! ninja -C "$SNAPWING_BUILD" -n | grep -q 'no work to do'; then say "building (the first time takes minutes)"; fi
+  [ -f "$SNAPWING_BUILD/.built" ] || say "building (minutes, the first time)"
   ninja -C "$SNAPWING_BUILD" >"$log" 2>&1 || { grep -E -m 40 'error|FAILED' "$log" >&2; die "the build failed: $log"; }
+  touch "$SNAPWING_BUILD/.built"
   flock -u 9
   exec 9>&-
 }

@@ -68,4 +68,10 @@ void writeFileAtomically(const std::string& path, const std::string& bytes) {
   throw FileError(path, std::string("cannot be replaced: ") + std::strerror(error));
 }
 
+void requireFolderOf(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (!std::filesystem::is_directory(folder)) throw FileError(path, "its folder does not exist");
+  if (::access(folder.c_str(), W_OK) != 0) throw FileError(path, "its folder cannot be written to");
+}
+
 }  // namespace snapwing::common

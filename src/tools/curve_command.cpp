@@ -39,7 +39,7 @@ std::string toText(double value) {
 
 bool showProgress(const CurveOptions& options, double share, double travel) {
   if (!options.quiet) {
-    std::fprintf(stderr, "\r%3.0f %%  at %10.5g (SI) ", 100 * share, travel);
+    std::fprintf(stderr, "\r%3.0f %%  at %10.5g ", 100 * share, travel);
     if (share >= 1) std::fprintf(stderr, "\n");
     std::fflush(stderr);
   }
@@ -235,7 +235,20 @@ int runScene(const CurveOptions& options) {
   return 0;
 }
 
+/// What cannot be written is refused before the work, not after it.
+void checkOutputs(const CurveOptions& options, bool scene) {
+  for (const std::string& path : {options.output, options.csv, options.summary}) {
+    if (!path.empty()) common::requireFolderOf(path);
+  }
+  const bool table = endsWith(options.output, ".h5");
+  if (!options.output.empty() && !table && !(scene && endsWith(options.output, ".csv"))) {
+    throw common::Error("--output is '" + options.output + "'; allowed: a name ending in .h5" +
+                        (scene ? " or .csv" : "; the curve as text goes to --csv"));
+  }
+}
+
 int runCurve(const CurveOptions& options) {
+  checkOutputs(options, statics::isScene(options.input));
   if (statics::isScene(options.input)) return runScene(options);
   if (!options.kernel.empty() || !options.vtu.empty()) {
     throw common::Error(

@@ -25,6 +25,12 @@ TEST(Provenance, FilesAreReplacedWhole) {
   EXPECT_THROW(writeFileAtomically(testing::TempDir() + "no/such/folder/x", "bytes"), FileError);
 }
 
+TEST(Provenance, MissingFolderIsToldBeforeTheWork) {
+  EXPECT_NO_THROW(requireFolderOf(testing::TempDir() + "result.h5"));
+  EXPECT_NO_THROW(requireFolderOf("result.h5"));
+  EXPECT_THROW(requireFolderOf(testing::TempDir() + "no/such/folder/result.h5"), FileError);
+}
+
 TEST(Mode, NamesGoBothWays) {
   EXPECT_EQ(modeFromName(modeName(Mode::FIXED_WING)), Mode::FIXED_WING);
   EXPECT_EQ(modeFromName("QUADROTOR"), Mode::QUADROTOR);
