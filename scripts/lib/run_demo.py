@@ -111,7 +111,7 @@ def main():
     options = parser.parse_args()
     output = pathlib.Path(options.output)
     clear(output)
-    print("demo: flying F->Q and Q->F in simulation (about a minute) ...", file=sys.stderr)
+    print("demo: flying F->Q and Q->F in simulation (half a minute) ...", file=sys.stderr)
     with open(output / "roslaunch.log", "w") as log:
         screen = HiddenScreen(log) if options.picture else None
         master_port = free_port(socket.SOCK_STREAM)

@@ -9,62 +9,19 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
+#include "snapwing/common/hdf5_file.h"
 
 namespace snapwing::common {
+
+using hdf5::check;
+using hdf5::Handle;
+using hdf5::QuietErrors;
+using hdf5::readAttribute;
+using hdf5::writeAttribute;
 
 namespace {
 
 constexpr int FORMAT_VERSION = 1;
-
-/// Closes an HDF5 handle; HDF5's own error printing stays off while it lives in this file.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& path, const std::string& what) : id_(id), close_(close) {
-    if (id_ < 0) throw FileError(path, "HDF5: cannot " + what);
-  }
-  ~Handle() { close_(id_); }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }  // NOLINT: a handle is meant to be used as the library's id
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-struct QuietErrors {
-  QuietErrors() {
-    H5Eget_auto2(H5E_DEFAULT, &function, &data);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, function, data); }
-  H5E_auto2_t function = nullptr;
-  void* data = nullptr;
-};
-
-void check(herr_t status, const std::string& path, const std::string& what) {
-  if (status < 0) throw FileError(path, "HDF5: cannot " + what);
-}
-
-void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path) {
-  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "make a type");
-  check(H5Tset_size(type, text.size() + 1), path, "size a type");
-  Handle space(H5Screate(H5S_SCALAR), H5Sclose, path, "make a space");
-  Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, path,
-                   "make the attribute " + name);
-  check(H5Awrite(attribute, type, text.c_str()), path, "write the attribute " + name);
-}
-
-std::string readAttribute(hid_t object, const std::string& name, const std::string& path) {
-  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, path, "find the attribute " + name);
-  Handle type(H5Aget_type(attribute), H5Tclose, path, "read the type of " + name);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
-    throw FileError(path, "attribute " + name + " is no text");
-  }
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Aread(attribute, type, text.data()), path, "read the attribute " + name);
-  return text.substr(0, text.find('\0'));
-}
 
 template <class T>
 hid_t memoryType();

@@ -6,66 +6,21 @@
 #include <filesystem>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/hdf5_file.h"
 #include "snapwing/design/wing_table.h"
 
 namespace snapwing::design {
 
 using common::FileError;
+using common::hdf5::check;
+using common::hdf5::Handle;
+using common::hdf5::QuietErrors;
+using common::hdf5::readAttribute;
+using common::hdf5::writeAttribute;
 
 namespace {
 
 constexpr char FORMAT[] = "snapwing_wing_table_1";
-
-/// Closes an HDF5 handle.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& path, const std::string& what) : id_(id), close_(close) {
-    if (id_ < 0) throw FileError(path, "HDF5: cannot " + what);
-  }
-  ~Handle() { close_(id_); }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }  // NOLINT: a handle is meant to be used as the library's id
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// Keeps HDF5 from printing while it lives.
-struct Quiet {
-  Quiet() {
-    H5Eget_auto2(H5E_DEFAULT, &function, &data);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, function, data); }
-  H5E_auto2_t function = nullptr;
-  void* data = nullptr;
-};
-
-void check(herr_t status, const std::string& path, const std::string& what) {
-  if (status < 0) throw FileError(path, "HDF5: cannot " + what);
-}
-
-void writeText(hid_t object, const std::string& name, const std::string& text, const std::string& path) {
-  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "make a type");
-  check(H5Tset_size(type, text.size() + 1), path, "size a type");
-  Handle space(H5Screate(H5S_SCALAR), H5Sclose, path, "make a space");
-  Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, path,
-                   "make the attribute " + name);
-  check(H5Awrite(attribute, type, text.c_str()), path, "write the attribute " + name);
-}
-
-std::string readText(hid_t object, const std::string& name, const std::string& path) {
-  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, path, "find the attribute " + name);
-  Handle type(H5Aget_type(attribute), H5Tclose, path, "read the type of " + name);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
-    throw FileError(path, "attribute " + name + " is no text");
-  }
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Aread(attribute, type, text.data()), path, "read the attribute " + name);
-  return text.substr(0, text.find('\0'));
-}
 
 void writeColumn(hid_t file, const char* name, const char* unit, const std::vector<double>& values,
                  const std::string& path) {
@@ -76,12 +31,12 @@ void writeColumn(hid_t file, const char* name, const char* unit, const std::vect
   if (size > 0) {
     check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, "write a column");
   }
-  writeText(set, "unit", unit, path);
+  writeAttribute(set, "unit", unit, path);
 }
 
 void readColumn(hid_t file, const char* name, const char* unit, std::vector<double>* values, const std::string& path) {
   Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, path, std::string("find the dataset ") + name);
-  const std::string found = readText(set, "unit", path);
+  const std::string found = readAttribute(set, "unit", path);
   if (found != unit) throw FileError(path, std::string(name) + " is in '" + found + "'; allowed: '" + unit + "'");
   Handle space(H5Dget_space(set), H5Sclose, path, "read a size");
   const hssize_t size = H5Sget_simple_extent_npoints(space);
@@ -99,12 +54,12 @@ herr_t addName(hid_t, const char* name, const H5A_info_t*, void* names) {
 
 void write(WingTable table, const std::string& part) {
   Handle file(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, part, "create the file");
-  writeText(file, "format", FORMAT, part);
+  writeAttribute(file, "format", FORMAT, part);
   forEachColumn(&table, [&](const char* name, const char* unit, std::vector<double>* values) {
     writeColumn(file, name, unit, *values, part);
   });
   Handle group(H5Gcreate2(file, "provenance", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, part, "make a group");
-  for (const auto& [name, text] : table.provenance) writeText(group, name, text, part);
+  for (const auto& [name, text] : table.provenance) writeAttribute(group, name, text, part);
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), part, "flush the file");
 }
 
@@ -112,7 +67,7 @@ void write(WingTable table, const std::string& part) {
 
 void saveWingTable(const WingTable& table, const std::string& path) {
   table.validate();
-  Quiet quiet;
+  QuietErrors quiet;
   const std::string part = path + ".part" + std::to_string(::getpid());
   try {
     write(table, part);
@@ -128,9 +83,9 @@ void saveWingTable(const WingTable& table, const std::string& path) {
 
 WingTable loadWingTable(const std::string& path) {
   if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
-  Quiet quiet;
+  QuietErrors quiet;
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open the file as HDF5");
-  if (readText(file, "format", path) != FORMAT) throw FileError(path, std::string("format is not ") + FORMAT);
+  if (readAttribute(file, "format", path) != FORMAT) throw FileError(path, std::string("format is not ") + FORMAT);
   WingTable table;
   forEachColumn(&table, [&](const char* name, const char* unit, std::vector<double>* values) {
     readColumn(file, name, unit, values, path);
@@ -138,7 +93,7 @@ WingTable loadWingTable(const std::string& path) {
   Handle group(H5Gopen2(file, "provenance", H5P_DEFAULT), H5Gclose, path, "find the group provenance");
   std::vector<std::string> names;
   check(H5Aiterate2(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, addName, &names), path, "list the provenance");
-  for (const std::string& name : names) table.provenance[name] = readText(group, name, path);
+  for (const std::string& name : names) table.provenance[name] = readAttribute(group, name, path);
   try {
     table.validate();
   } catch (const common::Error& e) {

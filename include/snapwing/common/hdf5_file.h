@@ -1,0 +1,47 @@
+#pragma once
+/// What every HDF5 file of snapwing shares: handles that close themselves, errors with the file's name, text
+/// attributes. For source files that include <hdf5.h> anyway; no other header includes this one.
+
+#include <hdf5.h>
+
+#include <string>
+
+namespace snapwing::common::hdf5 {
+
+/// Closes an HDF5 handle at the end of its life.
+class Handle {
+ public:
+  /// @param id    what the library returned; negative = failed
+  /// @param path  file, and @param what action, for the message of the FileError thrown if `id` is negative
+  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& path, const std::string& what);
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }  // NOLINT: a handle is meant to be used as the library's id
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// Keeps HDF5 from printing its own errors while it lives.
+struct QuietErrors {
+  QuietErrors();
+  ~QuietErrors();
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// @throws FileError "HDF5: cannot <what>" if the library reported failure
+void check(herr_t status, const std::string& path, const std::string& what);
+
+/// Text attribute of a group or dataset. @throws FileError
+void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
+/// @throws FileError if it is missing or no text of fixed length
+std::string readAttribute(hid_t object, const std::string& name, const std::string& path);
+
+}  // namespace snapwing::common::hdf5
