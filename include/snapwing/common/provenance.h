@@ -15,8 +15,8 @@ std::string version();
 std::string readFile(const std::string& path);
 /// Replaces a file in one step: readers see the old or the new bytes, never a part. @throws FileError
 void writeFileAtomically(const std::string& path, const std::string& bytes);
-/// To be asked before long work whose result goes to `path`. @throws FileError if its folder does not exist or cannot be
-/// written to
+/// To be asked before long work whose result goes to `path`. @throws FileError if its folder does not exist or cannot
+/// be written to
 void requireFolderOf(const std::string& path);
 
 }  // namespace snapwing::common
