@@ -1,9 +1,7 @@
 // HDF5 layout: one 1-D dataset per array with the attribute "unit", group "shapes" with flat arrays, and one string
 // attribute per provenance entry on the group "provenance".
 #include <hdf5.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 
@@ -157,18 +155,7 @@ void writeTable(const ForceTable& t, const std::string& part) {
 
 void saveForceTable(const ForceTable& table, const std::string& path) {
   table.validate();
-  QuietErrors quiet;
-  const std::string part = path + ".part" + std::to_string(::getpid());
-  try {
-    writeTable(table, part);
-  } catch (const FileError&) {
-    std::remove(part.c_str());
-    throw;
-  }
-  if (std::rename(part.c_str(), path.c_str()) != 0) {
-    std::remove(part.c_str());
-    throw FileError(path, "cannot be replaced");
-  }
+  hdf5::replaceFile(path, [&](const std::string& part) { writeTable(table, part); });
 }
 
 ForceTable loadForceTable(const std::string& path) {

@@ -1,5 +1,9 @@
 #include "snapwing/common/hdf5_file.h"
 
+#include <unistd.h>
+
+#include <cstdio>
+
 #include "snapwing/common/error.h"
 
 namespace snapwing::common::hdf5 {
@@ -38,6 +42,20 @@ std::string readAttribute(hid_t object, const std::string& name, const std::stri
   std::string text(H5Tget_size(type), '\0');
   check(H5Aread(attribute, type, text.data()), path, "read the attribute " + name);
   return text.substr(0, text.find('\0'));
+}
+
+void replaceFile(const std::string& path, const std::function<void(const std::string& part)>& write) {
+  QuietErrors quiet;
+  const std::string part = path + ".part" + std::to_string(::getpid());
+  try {
+    write(part);
+  } catch (const FileError&) {
+    std::remove(part.c_str());
+    throw;
+  }
+  if (std::rename(part.c_str(), path.c_str()) == 0) return;
+  std::remove(part.c_str());
+  throw FileError(path, "cannot be replaced");
 }
 
 }  // namespace snapwing::common::hdf5

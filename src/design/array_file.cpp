@@ -1,9 +1,7 @@
 #include "snapwing/design/array_file.h"
 
 #include <hdf5.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <vector>
 
@@ -45,18 +43,7 @@ herr_t collectNotes(hid_t, const char* name, const H5A_info_t*, void* data) {
 }  // namespace
 
 void saveArrays(const ArrayFile& file, const std::string& path) {
-  const std::string temporary = path + ".part" + std::to_string(::getpid());
-  QuietErrors quiet;
-  try {
-    write(file, temporary);
-  } catch (const common::FileError&) {
-    std::remove(temporary.c_str());
-    throw;
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw common::FileError(path, "cannot be written");
-  }
+  common::hdf5::replaceFile(path, [&](const std::string& part) { write(file, part); });
 }
 
 ArrayFile loadArrays(const std::string& path) {

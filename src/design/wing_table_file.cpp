@@ -1,8 +1,6 @@
 // HDF5 file of a wing table: one 1-D dataset per column with the attribute "unit", provenance as attributes of a group.
 #include <hdf5.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <filesystem>
 
 #include "snapwing/common/error.h"
@@ -67,18 +65,7 @@ void write(WingTable table, const std::string& part) {
 
 void saveWingTable(const WingTable& table, const std::string& path) {
   table.validate();
-  QuietErrors quiet;
-  const std::string part = path + ".part" + std::to_string(::getpid());
-  try {
-    write(table, part);
-  } catch (const FileError&) {
-    std::remove(part.c_str());
-    throw;
-  }
-  if (std::rename(part.c_str(), path.c_str()) != 0) {
-    std::remove(part.c_str());
-    throw FileError(path, "cannot be replaced");
-  }
+  common::hdf5::replaceFile(path, [&](const std::string& part) { write(table, part); });
 }
 
 WingTable loadWingTable(const std::string& path) {

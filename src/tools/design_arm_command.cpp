@@ -29,16 +29,6 @@ struct Options {
 volatile std::sig_atomic_t interrupted = 0;
 void onInterrupt(int) { interrupted = 1; }
 
-/// The parent `design`, which other design commands may have added before.
-CLI::App* parent(CLI::App& app) {
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    if (command->get_name() == "design") return command;
-  }
-  CLI::App* design = app.add_subcommand("design", "Design a part of the vehicle");
-  design->require_subcommand(1);
-  return design;
-}
-
 int checkGradients(const ArmDesignSettings& settings, double tolerance) {
   bool good = true;
   for (const double share : {0.0, 0.65}) {
@@ -208,7 +198,8 @@ int runCommand(const Options& options) {
 }  // namespace
 
 void addDesignArmCommand(CLI::App& app, int& exit_code) {
-  CLI::App* command = parent(app)->add_subcommand("arm", "Topology of the bistable arm, its check and its parts");
+  CLI::App* command =
+      designCommand(app)->add_subcommand("arm", "Topology of the bistable arm, its check and its parts");
   auto options = std::make_shared<Options>();
   command->add_option("settings", options->settings, "Settings, e.g. config/designs/arm_default.yaml")->required();
   command->add_option("-o,--output", options->folder, "Folder for density, history, report, parts")

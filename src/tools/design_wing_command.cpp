@@ -116,20 +116,10 @@ void run(const Options& options, int* exit_code) {
   writeResults(options, settings, design);
 }
 
-/// The parent `design`, which other design commands may have added before.
-CLI::App* parent(CLI::App& app) {
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    if (command->get_name() == "design") return command;
-  }
-  CLI::App* design = app.add_subcommand("design", "Design a part of the vehicle");
-  design->require_subcommand(1);
-  return design;
-}
-
 }  // namespace
 
 void addDesignWingCommand(CLI::App& app, int& exit_code) {
-  CLI::App* command = parent(app)->add_subcommand("wing", "Joint positions of the folding wing's linkage");
+  CLI::App* command = designCommand(app)->add_subcommand("wing", "Joint positions of the folding wing's linkage");
   auto options = std::make_shared<Options>();
   command->add_option("settings", options->settings, "Settings, e.g. config/designs/wing_paper.yaml")->required();
   command->add_option("-o,--output", options->folder, "Folder for wing.yaml, wing_table.h5 and parts")

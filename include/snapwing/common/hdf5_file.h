@@ -4,6 +4,7 @@
 
 #include <hdf5.h>
 
+#include <functional>
 #include <string>
 
 namespace snapwing::common::hdf5 {
@@ -43,5 +44,9 @@ void check(herr_t status, const std::string& path, const std::string& what);
 void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
 /// @throws FileError if it is missing or no text of fixed length
 std::string readAttribute(hid_t object, const std::string& name, const std::string& path);
+
+/// Has `write` make a file of another name beside `path`, then renames it: a killed or failed run leaves the previous
+/// file as it was. HDF5 prints nothing meanwhile. @throws FileError, also what `write` throws
+void replaceFile(const std::string& path, const std::function<void(const std::string& part)>& write);
 
 }  // namespace snapwing::common::hdf5

@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "own_arguments.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/link/bridge_lcm.h"
@@ -158,16 +159,6 @@ int start(const Options& o) {
   run(loop, lcm, *transport);
   std::fprintf(stderr, "radio_bridge: ended, throttle low and AUX1 low were sent for %.2f s\n", o.settings.exit_time);
   return 0;
-}
-
-/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11
-/// wants.
-std::vector<std::string> ownArguments(int argc, char** argv) {
-  std::vector<std::string> own;
-  for (int i = argc - 1; i > 0; --i) {
-    if (std::string(argv[i]).find(":=") == std::string::npos) own.emplace_back(argv[i]);
-  }
-  return own;
 }
 
 }  // namespace

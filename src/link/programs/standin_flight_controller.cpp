@@ -15,6 +15,7 @@
 #include <cstring>
 #include <memory>
 
+#include "own_arguments.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
 #include "snapwing/link/crsf.h"
@@ -224,16 +225,6 @@ int run(const Options& o) {
     next_motor = now + 0.5 * o.period;
   }
   return 0;
-}
-
-/// Arguments without the remappings (name:=value) that roslaunch adds to whatever it starts; last first, as CLI11
-/// wants.
-std::vector<std::string> ownArguments(int argc, char** argv) {
-  std::vector<std::string> own;
-  for (int i = argc - 1; i > 0; --i) {
-    if (std::string(argv[i]).find(":=") == std::string::npos) own.emplace_back(argv[i]);
-  }
-  return own;
 }
 
 }  // namespace
