@@ -1,6 +1,7 @@
 #include "snapwing/statics/sparse.h"
 
 #include <cholmod.h>
+#include <omp.h>
 
 #include <chrono>
 #include <cmath>
@@ -27,6 +28,23 @@ Eigen::VectorXd SparsePattern::multiply(const std::vector<double>& values, const
   }
   return y;
 }
+
+namespace {
+
+/// CHOLMOD opens a parallel region for every supernode, whatever OMP_NUM_THREADS says; on small supernodes the threads
+/// cost more than the work (three quarters of a planar factorization). While this lives, regions run on one thread.
+class OneThread {
+ public:
+  OneThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~OneThread() { omp_set_max_active_levels(levels_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int levels_;
+};
+
+}  // namespace
 
 struct Cholesky::Impl {
   cholmod_common common;
@@ -90,6 +108,7 @@ Cholesky::~Cholesky() {
 bool Cholesky::factorize(const std::vector<double>& values) {
   if (impl_->pattern.size == 0) return true;
   const double begin = secondsNow();
+  const OneThread one_thread;
   ++factorizations_;
   impl_->setValues(values);
   cholmod_factorize(&impl_->matrix, impl_->factor, &impl_->common);
@@ -102,6 +121,7 @@ bool Cholesky::factorize(const std::vector<double>& values) {
 int Cholesky::factorizeIndefinite(const std::vector<double>& values) {
   if (impl_->pattern.size == 0) return 0;
   const double begin = secondsNow();
+  const OneThread one_thread;
   ++factorizations_;
   impl_->setValues(values);
   Impl& s = *impl_;
@@ -129,6 +149,7 @@ Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
   if (impl_->pattern.size == 0) return right;
   if (impl_->active == nullptr) throw common::Error("solve without a factor");
   const double begin = secondsNow();
+  const OneThread one_thread;
   cholmod_dense b;
   std::memset(&b, 0, sizeof(b));
   b.nrow = b.d = right.rows();
