@@ -6,12 +6,18 @@
 #include <limits>
 
 #include "snapwing/common/error.h"
+#include "snapwing/design/arm_scene.h"
 #include "snapwing/design/arm_topology.h"
 #include "snapwing/statics/arm_problem.h"
+#include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::design {
 
 namespace {
+
+constexpr char PLANAR_LINEAR[] = "planar, linear kernel";
+constexpr char PLANAR_QUADRATIC[] = "planar, quadratic B-spline";
+constexpr char VOLUMETRIC[] = "volumetric, linear kernel, reduced volume term";
 
 double interpolate(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (!std::isfinite(at)) return std::numeric_limits<double>::quiet_NaN();
@@ -20,30 +26,66 @@ double interpolate(const std::vector<double>& x, const std::vector<double>& y, d
   return y[k - 1] + (at - x[k - 1]) / (x[k] - x[k - 1]) * (y[k] - y[k - 1]);
 }
 
-/// Traces one field and reads the curve off.
-void trace(const ArmDesignSettings& s, const mpm::DensityField& field, ArmCheckCase& c) {
+/// One body to trace.
+struct Body {
+  std::string name, rung;
+  double offset = 0;
+  bool grey = false;
+  int dimension = 2;
+  statics::SceneKernel kernel = statics::SceneKernel::LINEAR;
+};
+
+using Cancel = std::function<bool(double, double)>;
+
+/// With pictures of the moved outline.
+void tracePlanar(const ArmDesignSettings& s, const mpm::DensityField& field, const Cancel& cancel, ArmCheckCase& c) {
   const common::Vehicle& v = s.vehicle;
   statics::ArmProblemSettings physics;
   physics.plane = s.plane;
   physics.threads = s.threads;
   const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
                                       v.material.mass_density.value};
-  statics::ArmCurveSettings curve_settings;
-  curve_settings.from = 0;
-  curve_settings.to = v.limits.travel_max;
-  curve_settings.step = s.check_step;
-  statics::ArmCurve curve;
+  statics::ArmCurveSettings settings;
+  settings.from = 0;
+  settings.to = v.limits.travel_max;
+  settings.step = s.check_step;
+  settings.progress = cancel;
+  const statics::ArmProblem arm(v.arm, material, field, physics);
+  statics::ArmCurve curve = statics::traceArm(arm, settings);
+  c.traced = curve.status == statics::SolveStatus::CONVERGED;
+  c.message = curve.message;
+  c.table = std::move(curve.table);
+}
+
+void traceAsScene(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
+                  ArmCheckCase& c) {
+  ArmSceneSettings settings;
+  settings.dimension = body.dimension;
+  settings.plane = s.plane;
+  settings.kernel = body.kernel;
+  settings.step = body.dimension == 3 ? s.check_volumetric_step : s.check_step;
+  const statics::Scene scene = armScene(s.vehicle, field, settings);
+  const auto compiled = statics::compileScene(scene, s.threads);
+  const statics::SceneCurve curve = statics::traceScene(scene, *compiled, {}, cancel);
+  const bool forward = curve.path.status == statics::SolveStatus::CONVERGED;
+  c.traced = forward && curve.back.status == statics::SolveStatus::CONVERGED;
+  c.message = forward ? curve.back.message : curve.path.message;
+  if (curve.path.points.size() < 4) return;
+  c.table = curve.table();
+  for (std::size_t k = 0; k < curve.monitors.size(); ++k) c.table.rotation[k] = curve.monitors[k][0];
+}
+
+/// Traces one field and reads the curve off.
+void trace(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
+           ArmCheckCase& c) {
   try {
-    const statics::ArmProblem arm(v.arm, material, field, physics);
-    curve = statics::traceArm(arm, curve_settings);
+    const bool scene = body.dimension == 3 || body.kernel != statics::SceneKernel::LINEAR;
+    scene ? traceAsScene(s, field, body, cancel, c) : tracePlanar(s, field, cancel, c);
   } catch (const common::Error& e) {  // pin or clamp without material: an outcome of the design, not bad input
     c.message = e.what();
     return;
   }
-  c.traced = curve.status == statics::SolveStatus::CONVERGED;
-  c.message = curve.message;
-  c.table = std::move(curve.table);
-  c.table.arm_count = v.arm.count;
+  c.table.arm_count = s.vehicle.arm.count;
   if (!c.traced || c.table.travel.size() < 4) return;
   c.features = common::curveFeatures(c.table);
   c.hysteresis_share = c.features.hysteresis / std::abs(c.features.peak_force);
@@ -92,36 +134,59 @@ void judgeAll(ArmCheck& check) {
       judge(
           check, "bistable, printing error too", 1, 1, "", [](C c) { return c.bistable ? 1.0 : 0.0; }, true)};
   check.all_met = std::all_of(check.targets.begin(), check.targets.end(), [](const ArmTarget& t) { return t.met; });
-  check.bistable = check.targets.back().met;
+  check.bistable = check.complete && check.targets.back().met;
+  check.all_met = check.all_met && check.complete;
 }
 
 }  // namespace
+
+const ArmCheckCase* ArmCheck::reference() const {
+  const ArmCheckCase* best = nullptr;
+  for (const ArmCheckCase& c : cases) {
+    const bool candidate = c.traced && c.name != "grey" && c.offset == 0 && c.rung == PLANAR_LINEAR;
+    if (candidate && (!best || c.cell_size < best->cell_size)) best = &c;
+  }
+  return best;
+}
 
 ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::DensityField& grey,
                   const std::function<bool(const std::string&)>& progress) {
   ArmCheck check;
   const common::ArmSettings& arm = s.vehicle.arm;
-  const auto add = [&](const std::string& name, double cell, double offset, const mpm::DensityField& field) {
-    if (progress && progress(name)) return false;
+  bool cancelled = false;
+  const auto add = [&](const Body& body, const mpm::DensityField& field) {
+    const auto cancel = [&](double, double) { return cancelled = cancelled || (progress && progress(body.name)); };
+    if (cancel(0, 0)) return;
     ArmCheckCase c;
-    c.name = name, c.cell_size = cell, c.offset = offset;
-    trace(s, field, c);
-    check.cases.push_back(std::move(c));
-    return true;
+    c.name = body.name, c.rung = body.rung, c.cell_size = field.cell_size, c.offset = body.offset;
+    trace(s, field, body, cancel, c);
+    if (!cancelled) check.cases.push_back(std::move(c));
   };
-  if (!grey.value.empty() && !add("grey", grey.cell_size, 0, grey)) return check;
   const double power = statics::ArmProblemSettings().interpolation.power;
+  const auto addShape = [&](Body body, double cell, const char* suffix) {
+    char name[64];
+    std::snprintf(name, sizeof name, body.offset == 0 ? "%.2f mm%s" : "%.2f mm%s, %+.2f mm", 1e3 * cell, suffix,
+                  1e3 * body.offset);
+    body.name = name;
+    add(body, shape.cover(armDomain(arm, cell, 0), body.offset, power, arm.pin_x, arm.pin_y));
+  };
+  if (!grey.value.empty()) add({"grey", PLANAR_LINEAR, 0, true}, grey);
   const double finest = *std::min_element(s.check_cells.begin(), s.check_cells.end());
   for (const double cell : s.check_cells) {
     for (const double offset : {0.0, -s.check_offset, s.check_offset}) {
       // The printing error is small against coarse cells: it is looked at on the finest grid only.
       if (offset != 0 && cell > finest) continue;
-      char name[64];
-      std::snprintf(name, sizeof name, offset == 0 ? "%.2f mm" : "%.2f mm, %+.2f mm", 1e3 * cell, 1e3 * offset);
-      const mpm::DensityField domain = armDomain(arm, cell, 0);
-      if (!add(name, cell, offset, shape.cover(domain, offset, power, arm.pin_x, arm.pin_y))) return check;
+      addShape({"", PLANAR_LINEAR, offset}, cell, "");
     }
   }
+  using statics::SceneKernel;
+  if (s.check_quadratic_cell > 0) {
+    addShape({"", PLANAR_QUADRATIC, 0, false, 2, SceneKernel::QUADRATIC}, s.check_quadratic_cell, " B-spline");
+  }
+  if (s.check_volumetric_cell > 0) {
+    addShape({"", VOLUMETRIC, 0, false, 3, SceneKernel::LINEAR_REDUCED}, s.check_volumetric_cell, " solid");
+  }
+  check.complete = !cancelled;
   judgeAll(check);
   return check;
 }

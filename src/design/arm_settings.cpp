@@ -40,6 +40,7 @@ void readDensity(SettingsReader& root, ArmDesignSettings& s) {
   s.pin_patch = density.number("pin_patch", {0, 0.02}, "m");
   s.clamp_patch = density.number("clamp_patch", {0, 0.02}, "m");
   s.start_density = density.number("start", {0.01, 1}, "1");
+  s.void_threshold = density.numberOr("void_threshold", s.void_threshold, {1e-6, 0.5}, "1");
   density.finish();
   SettingsReader volume = root.map("volume");
   s.volume = volume.number("bound", {0.01, 1}, "1");
@@ -76,6 +77,9 @@ void readRun(SettingsReader& root, ArmDesignSettings& s) {
   s.check_cells = someNumbers(check, "cell_sizes", {1e-4, 0.01}, "m");
   s.check_offset = check.number("printing_error", {0, 0.002}, "m");
   s.check_step = check.number("step", {1e-4, 0.005}, "m");
+  s.check_quadratic_cell = check.number("quadratic_cell_size", {0, 0.01}, "m");
+  s.check_volumetric_cell = check.number("volumetric_cell_size", {0, 0.01}, "m");
+  s.check_volumetric_step = check.number("volumetric_step", {1e-4, 0.005}, "m");
   check.finish();
 }
 

@@ -56,6 +56,7 @@ ArmTopology::ArmTopology(const ArmDesignSettings& settings, double newton_tolera
   statics::ArmProblemSettings physics;
   physics.plane = settings_.plane;
   physics.threads = settings_.threads;
+  physics.interpolation.threshold = settings_.void_threshold;
   const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
                                       v.material.mass_density.value};
   arm_ = std::make_unique<statics::ArmProblem>(v.arm, material, armDomain(v.arm, settings_.cell_size, 1.0), physics);
@@ -169,20 +170,48 @@ bool ArmTopology::solveState(State& state, bool with_derivatives, std::string& w
   return true;
 }
 
-/// Newton on the travel until R(u3) = -f.
+/// First travel on the path from rest that pulls with at least -f: its state is the start of a Newton on the travel.
+bool ArmTopology::tracePulled(Variant& variant, std::string& why) {
+  constexpr double LARGEST = 0.2;  // [m] of pull
+  statics::PathSettings settings;
+  settings.newton.relative_tolerance = newton_tolerance_;
+  statics::PathFollower follower(arm_->problem(), settings);
+  State& s = variant.pulled;
+  s.travel = 0;
+  s.z = Eigen::VectorXd::Zero(arm_->problem().freeCount());
+  std::ostringstream text;
+  text << "the arm does not hold the compliance force of " << settings_.compliance_force << " N up to u = ";
+  while (s.travel > -LARGEST) {
+    const statics::PathResult path = follower.follow(s.z, {s.travel, s.travel - TRACE_STEP});
+    if (path.status != statics::SolveStatus::CONVERGED) {
+      text << s.travel << " m: " << path.message;
+      break;
+    }
+    s.travel -= TRACE_STEP;
+    s.z = path.points.back().solution;
+    if (path.points.back().force <= -settings_.compliance_force) return true;
+  }
+  if (s.travel <= -LARGEST) text << s.travel << " m";
+  why = text.str();
+  s.z.resize(0);
+  return false;
+}
+
+/// Newton on the travel until R(u3) = -f, from the last design's state or else from the path.
 bool ArmTopology::solvePulled(Variant& variant, std::string& why) {
   if (settings_.compliance_weight == 0 || settings_.compliance_force == 0) return true;
   State& s = variant.pulled;
-  if (s.z.size() == 0) s.z = Eigen::VectorXd::Zero(arm_->problem().freeCount());
-  for (int k = 0; k < 30; ++k) {
-    if (!solveState(s, true, why)) return false;
-    const double missing = -settings_.compliance_force - s.force;
-    if (std::abs(missing) < 1e-7 * settings_.compliance_force) return true;
-    if (!(s.stiffness > 0)) break;
-    s.travel += std::clamp(missing / s.stiffness, -0.001, 0.001);
-    if (s.travel < -0.05) break;
+  for (int attempt = s.z.size() == 0 ? 1 : 0; attempt < 2; ++attempt) {
+    if (attempt == 1 && !tracePulled(variant, why)) return false;
+    for (int k = 0; k < 30; ++k) {
+      if (!solveState(s, true, why)) break;
+      const double missing = -settings_.compliance_force - s.force;
+      if (std::abs(missing) < 1e-7 * settings_.compliance_force) return true;
+      if (!(s.stiffness > 0)) break;
+      s.travel += std::clamp(missing / s.stiffness, -TRACE_STEP, TRACE_STEP);
+    }
   }
-  why = "the arm does not hold the compliance force";
+  if (why.empty()) why = "no equilibrium under the compliance force was found near the path from rest";
   return false;
 }
 

@@ -22,6 +22,15 @@ std::string nameOf(OptimizerStatus status) {
   return "unknown";
 }
 
+OptimizerStatus optimizerStatusOf(const std::string& name) {
+  for (const OptimizerStatus status :
+       {OptimizerStatus::CONVERGED, OptimizerStatus::ITERATION_LIMIT, OptimizerStatus::INFEASIBLE,
+        OptimizerStatus::EVALUATION_FAILED, OptimizerStatus::CANCELLED}) {
+    if (nameOf(status) == name) return status;
+  }
+  return OptimizerStatus::NOT_RUN;
+}
+
 void OptimizerSettings::validate() const {
   const auto check = [](bool good, const char* name, double value, const char* allowed) {
     if (!good) throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);

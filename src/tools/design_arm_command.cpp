@@ -3,16 +3,11 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
-#include "snapwing/design/arm_check.h"
-#include "snapwing/design/arm_parts.h"
-#include "snapwing/design/arm_run.h"
+#include "snapwing/design/arm_outcome.h"
 
 namespace snapwing::tools {
 
@@ -60,56 +55,6 @@ void showProgress(const ArmProgress& p) {
   std::fflush(stdout);
 }
 
-nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
-
-nlohmann::json describe(const ArmCheckCase& c) {
-  nlohmann::json j = {{"name", c.name},     {"cell_size_m", c.cell_size}, {"outline_moved_m", c.offset},
-                      {"traced", c.traced}, {"message", c.message},       {"bistable", c.bistable}};
-  if (!c.traced) return j;
-  const common::CurveFeatures& f = c.features;
-  j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
-  j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
-  j["barrier_m"] = orNull(f.barrier_travel);
-  j["second_equilibrium_m"] = orNull(f.second_travel);
-  j["barrier_forward_J"] = orNull(f.barrier_forward);
-  j["barrier_back_J"] = orNull(f.barrier_back);
-  j["hysteresis_over_peak"] = orNull(c.hysteresis_share);
-  j["rotation_second_rad"] = orNull(c.rotation_second);
-  j["rotation_end_rad"] = orNull(c.rotation_end);
-  j["unstable_points"] = c.unstable_points;
-  return j;
-}
-
-nlohmann::json reportOf(const ArmDesignSettings& s, const ArmCheck& check, const ArmRun* run) {
-  nlohmann::json j;
-  j["name"] = s.name;
-  j["inputs_sha256"] = s.hash();
-  j["snapwing_version"] = common::version();
-  j["forces_are"] = "totals of " + std::to_string(s.vehicle.arm.count) + " arms";
-  j["bistable"] = check.bistable ? "yes" : "no";
-  j["all_targets_met"] = check.all_met;
-  for (const ArmTarget& t : check.targets) {
-    j["targets"].push_back(
-        {{"name", t.name}, {"wanted", t.wanted}, {"low", orNull(t.low)}, {"high", orNull(t.high)}, {"met", t.met}});
-  }
-  for (const ArmCheckCase& c : check.cases) j["cases"].push_back(describe(c));
-  if (!run) return j;
-  j["optimizer"] = {{"method", s.optimizer},
-                    {"status", nameOf(run->result.status)},
-                    {"message", run->result.message},
-                    {"iterations", run->result.state.iteration + 1},
-                    {"evaluations", run->result.evaluations},
-                    {"objective", run->result.objective},
-                    {"violation", run->result.violation},
-                    {"seconds", run->result.seconds},
-                    {"volume", run->volume},
-                    {"grey", run->grey},
-                    {"traced_from_rest", run->retraces},
-                    {"travels_m", run->travels},
-                    {"forces_per_arm_N", run->forces}};
-  return j;
-}
-
 void printCheck(const ArmCheck& check) {
   std::printf("post-check (forces are totals)\n");
   for (const ArmCheckCase& c : check.cases) {
@@ -132,67 +77,51 @@ void printCheck(const ArmCheck& check) {
   std::printf("bistable: %s\n", check.bistable ? "yes" : "no");
 }
 
-int judge(const ArmDesignSettings& s, const Options& options, const mpm::DensityField& field, const ArmRun* run) {
-  const ArmShape shape(field);
-  const auto tell = [&](const std::string& name) {
-    if (!options.quiet) std::fprintf(stderr, "checking %s\n", name.c_str());
+void printRun(const ArmRun& run) {
+  std::printf("optimiser: %s %s, objective %.4f, violation %.4f, %d evaluations, %.1f s\n",
+              nameOf(run.result.status).c_str(), run.result.message.c_str(), run.result.objective, run.result.violation,
+              run.result.evaluations, run.result.seconds);
+  if (run.result.status == OptimizerStatus::CANCELLED) std::printf("cancelled; go on with --resume\n");
+}
+
+void printParts(const ArmPartsReport& parts) {
+  std::printf("arm: %.2f cm3, %.1f g, %.1f x %.1f x %.1f mm, %d triangles, watertight %s\n", 1e6 * parts.volume,
+              1e3 * parts.mass, 1e3 * parts.extent[0], 1e3 * parts.extent[1], 1e3 * parts.extent[2], parts.triangles,
+              parts.watertight ? "yes" : "no");
+}
+
+ArmJob jobOf(const Options& options) {
+  ArmJob job;
+  job.folder = options.folder;
+  job.resume = options.resume;
+  job.progress = [&options](const ArmProgress& p) {
+    if (!options.quiet) showProgress(p);
     return interrupted != 0;
   };
-  const ArmCheck check = checkArm(s, shape, field, tell);
-  printCheck(check);
-  nlohmann::json report = reportOf(s, check, run);
-  for (const ArmCheckCase& c : check.cases) {
-    if (!c.traced) continue;
-    common::ForceTable table = c.table;
-    table.provenance = {{"case", c.name}, {"inputs_sha256", s.hash()}, {"command", "snapwing design arm"}};
-    std::string name = c.name;
-    for (char& letter : name) letter = letter == ' ' || letter == ',' ? '_' : letter;
-    common::saveForceTable(table, options.folder + "/curve_" + name + ".h5");
-  }
-  if (!shape.empty()) {
-    const ArmPartsReport parts = saveArmParts(s.vehicle, shape, options.folder + "/parts");
-    report["parts"] = {{"arm_volume_m3", parts.volume},  {"arm_mass_kg", parts.mass},
-                       {"bounding_box_m", parts.extent}, {"triangles", parts.triangles},
-                       {"watertight", parts.watertight}, {"outline_area_m2", shape.area()}};
-    std::printf("arm: %.2f cm3, %.1f g, %.1f x %.1f x %.1f mm, %d triangles, watertight %s\n", 1e6 * parts.volume,
-                1e3 * parts.mass, 1e3 * parts.extent[0], 1e3 * parts.extent[1], 1e3 * parts.extent[2], parts.triangles,
-                parts.watertight ? "yes" : "no");
-  }
-  common::writeFileAtomically(options.folder + "/report.json", report.dump(2) + "\n");
-  return check.bistable ? 0 : 1;
+  job.checking = [&options, last = std::string()](const std::string& name) mutable {
+    if (!options.quiet && name != last) std::fprintf(stderr, "checking %s\n", name.c_str());
+    last = name;
+    return interrupted != 0;
+  };
+  job.optimized = printRun;
+  job.checked = printCheck;
+  job.printed = printParts;
+  return job;
 }
 
 int runCommand(const Options& options) {
   const ArmDesignSettings settings = loadArmDesignSettings(options.settings);
   if (options.check_gradients) return checkGradients(settings, options.gradient_tolerance);
-  std::filesystem::create_directories(options.folder);
   interrupted = 0;
   const auto previous = std::signal(SIGINT, onInterrupt);
-  int code = 0;
-  if (!options.density.empty()) {
-    const common::ArmSettings& arm = settings.vehicle.arm;
-    code =
-        judge(settings, options, mpm::loadDensityCsv(options.density, arm.domain_length, arm.domain_height), nullptr);
-  } else {
-    ArmRunOptions run_options;
-    run_options.folder = options.folder;
-    run_options.resume = options.resume;
-    run_options.progress = [&](const ArmProgress& p) {
-      if (!options.quiet) showProgress(p);
-      return interrupted != 0;
-    };
-    const ArmRun run = runArmDesign(settings, run_options);
-    std::printf("optimiser: %s %s, objective %.4f, violation %.4f, %d evaluations, %.1f s\n",
-                nameOf(run.result.status).c_str(), run.result.message.c_str(), run.result.objective,
-                run.result.violation, run.result.evaluations, run.result.seconds);
-    saveDensityCsv(run.field, "density of arm design '" + settings.name + "', inputs " + settings.hash(),
-                   options.folder + "/density.csv");
-    const bool ended = run.result.status != OptimizerStatus::CANCELLED;
-    if (!ended) std::printf("cancelled; go on with --resume\n");
-    code = ended ? judge(settings, options, run.field, &run) : 1;
-  }
+  const common::ArmSettings& arm = settings.vehicle.arm;
+  const ArmJob job = jobOf(options);
+  const ArmOutcome outcome =
+      options.density.empty()
+          ? designArm(settings, job)
+          : checkArmDensity(settings, mpm::loadDensityCsv(options.density, arm.domain_length, arm.domain_height), job);
   std::signal(SIGINT, previous);
-  return code;
+  return outcome.bistable ? 0 : 1;
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace snapwing::design {
 
 /// One traced body. Forces are TOTALS of the vehicle's arms, as the targets are.
 struct ArmCheckCase {
-  std::string name;      ///< "grey", "1.00 mm", "0.50 mm, +0.20 mm", ...
+  std::string name;      ///< "grey", "1.00 mm", "0.50 mm, +0.20 mm", "1.25 mm solid", ...
+  std::string rung;      ///< model and kernel in words
   double cell_size = 0;  ///< [m]
   double offset = 0;     ///< [m] of the outline
   bool traced = false;   ///< forward and back reached their ends
@@ -40,11 +41,14 @@ struct ArmCheck {
   std::vector<ArmTarget> targets;
   bool bistable = false;  ///< on every re-meshed case, offset ones too
   bool all_met = false;
+  bool complete = false;  ///< false: cancelled
+  /// The finest planar case of the linear kernel without offset that could be traced; null if none.
+  const ArmCheckCase* reference() const;
 };
 
 /// @param shape     of the thresholded design
 /// @param grey      the optimiser's own field, traced for comparison; empty: not
-/// @param progress  told the case at hand; true cancels
+/// @param progress  told the case at hand, at every point of its path; true cancels
 ArmCheck checkArm(const ArmDesignSettings& settings, const ArmShape& shape, const mpm::DensityField& grey,
                   const std::function<bool(const std::string&)>& progress);
 

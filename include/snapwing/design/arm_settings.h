@@ -23,6 +23,8 @@ struct ArmDesignSettings {
   std::vector<double> thresholds{0.5};              ///< one design for all of them; the first is the nominal one
   double pin_patch = 0.004, clamp_patch = 0.0;      ///< [m] solid disc around the pin; solid depth behind the housing
 
+  double void_threshold = 0.01;  ///< stiffness share below which a cell counts as void: linear energy there
+
   double start_density = 0.9;
   double volume = 0.5;         ///< bound, share of the L-shaped domain's area
   double volume_start = 0.95;  ///< bound at the first iteration
@@ -46,6 +48,9 @@ struct ArmDesignSettings {
   std::vector<double> check_cells{0.001, 0.0005};  ///< [m] of the post-check
   double check_offset = 0.0002;                    ///< [m] printing error that the design is checked with
   double check_step = 0.001;                       ///< [m]
+  double check_quadratic_cell = 0;                 ///< [m] of the check with the B-spline kernel; 0: none
+  double check_volumetric_cell = 0;                ///< [m] of the check as a solid; 0: none
+  double check_volumetric_step = 0.002;            ///< [m]
 
   /// Hash of everything that the result depends on.
   std::string hash() const;

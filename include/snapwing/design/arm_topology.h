@@ -55,6 +55,7 @@ class ArmTopology : public OptimizationProblem {
   bool solveVariant(Variant& variant, bool with_derivatives, std::string& why);
   bool solveState(State& state, bool with_derivatives, std::string& why);
   bool solvePulled(Variant& variant, std::string& why);
+  bool tracePulled(Variant& variant, std::string& why);
   bool retrace(Variant& variant, std::string& why);
   void addVariant(const Eigen::VectorXd& x, const Variant& variant, int& row, bool with_derivatives,
                   Evaluated& out) const;

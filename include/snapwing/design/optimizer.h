@@ -42,6 +42,8 @@ enum class OptimizerStatus {
   CANCELLED,
 };
 std::string nameOf(OptimizerStatus status);
+/// The status of a name; NOT_RUN for any other word.
+OptimizerStatus optimizerStatusOf(const std::string& name);
 
 struct OptimizerReport {
   int iteration = 0;

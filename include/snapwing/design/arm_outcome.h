@@ -1,0 +1,52 @@
+#pragma once
+/// A design from its settings to files: optimised, checked, with report, curves and parts in one folder, where it is
+/// found again by the hash of its inputs.
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "snapwing/design/arm_check.h"
+#include "snapwing/design/arm_parts.h"
+#include "snapwing/design/arm_run.h"
+
+namespace snapwing::design {
+
+struct ArmOutcome {
+  std::string folder;
+  bool optimized = false;  ///< false: a given density was checked
+  OptimizerStatus status = OptimizerStatus::NOT_RUN;
+  std::string message;
+  double objective = std::numeric_limits<double>::quiet_NaN();
+  double violation = std::numeric_limits<double>::quiet_NaN();
+  int iterations = 0;
+  bool bistable = false, all_met = false;  ///< the check's verdicts
+  common::ForceTable table;                ///< of the finest planar body that was checked; no points if none was traced
+  std::string densityFile() const { return folder + "/density.csv"; }
+};
+
+struct ArmJob {
+  std::string folder;                                  ///< of the results; made if missing
+  bool resume = false;                                 ///< go on from the folder's checkpoint
+  std::function<bool(const ArmProgress&)> progress;    ///< each iteration; true cancels
+  std::function<bool(const std::string&)> checking;    ///< name of the case at hand; true cancels
+  std::function<void(const ArmRun&)> optimized;        ///< the end of the optimisation
+  std::function<void(const ArmCheck&)> checked;        ///< the end of the check
+  std::function<void(const ArmPartsReport&)> printed;  ///< the end of the parts
+};
+
+/// Optimises, checks and writes density.csv, history, curve_*.h5, parts/ and, last, report.json. If cancelled, the
+/// checkpoint stays and no report is written. @throws common::Error
+ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job);
+
+/// The same for a density that is given. @throws common::Error
+ArmOutcome checkArmDensity(const ArmDesignSettings& settings, const mpm::DensityField& field, const ArmJob& job);
+
+/// Where a store keeps the design of these inputs: store/<hash>.
+std::string storedArmFolder(const ArmDesignSettings& settings, const std::string& store);
+/// The outcome in a folder, if its report is there and belongs to the same inputs. @throws common::FileError if the
+/// report is there but cannot be read
+std::optional<ArmOutcome> loadArmOutcome(const ArmDesignSettings& settings, const std::string& folder);
+
+}  // namespace snapwing::design
