@@ -62,7 +62,8 @@ Projection::Projection(double sharpness, double threshold) : sharpness_(sharpnes
 }
 
 Eigen::VectorXd Projection::eval(const Eigen::VectorXd& x) const {
-  if (sharpness_ == 0) return x;
+  // A filter whose rows sum to one up to rounding may leave [0, 1] by as much.
+  if (sharpness_ == 0) return x.cwiseMax(0.0).cwiseMin(1.0);
   const double low = std::tanh(sharpness_ * threshold_);
   const double span = low + std::tanh(sharpness_ * (1 - threshold_));
   return ((low + (sharpness_ * (x.array() - threshold_)).tanh()) / span).max(0.0).min(1.0);

@@ -4,8 +4,11 @@
 
 namespace snapwing::nodes::topics {
 
-constexpr char ARM_GEOMETRY[] = "arm_geometry";        ///< snapwing/ArmGeometry, latched
-constexpr char FORCE_CURVE[] = "force_curve";          ///< snapwing/ForceDisplacementCurve, latched
+constexpr char ARM_GEOMETRY[] = "arm_geometry";                    ///< snapwing/ArmGeometry, latched
+constexpr char FORCE_CURVE[] = "force_curve";                      ///< snapwing/ForceDisplacementCurve, latched
+constexpr char DESIGNED_ARM_GEOMETRY[] = "designed/arm_geometry";  ///< the same of the last designed arm, latched
+constexpr char DESIGNED_FORCE_CURVE[] = "designed/force_curve";
+constexpr char OPTIMIZE_DESIGN[] = "optimize_design";  ///< action snapwing/OptimizeDesign
 constexpr char TRANSITION_PLAN[] = "transition_plan";  ///< snapwing/TransitionPlan, latched
 constexpr char COMMAND_PULSE[] = "command/pulse";      ///< snapwing/PulseCommand, planner -> flight link
 constexpr char LINK_STATUS[] = "link_status";          ///< snapwing/LinkStatus, flight link -> all

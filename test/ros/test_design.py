@@ -1,0 +1,74 @@
+#!/usr/bin/python3
+"""The action optimize_design: a design is computed once, found by the hash of its inputs, preempted, refused."""
+import os
+import shutil
+import sys
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+
+from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, OptimizeDesignAction, OptimizeDesignFeedback,
+                          OptimizeDesignGoal, OptimizeDesignResult)
+
+
+class Design(unittest.TestCase):
+    def setUp(self):
+        self.store = rospy.get_param("~store_folder")
+        shutil.rmtree(self.store, ignore_errors=True)
+        self.client = actionlib.SimpleActionClient("optimize_design", OptimizeDesignAction)
+        self.assertTrue(self.client.wait_for_server(rospy.Duration(30)))
+        self.feedback = []
+
+    def ask(self, settings_file="arm_tiny.yaml", kind=OptimizeDesignGoal.ARM, after_feedback=None):
+        def heard(message):
+            self.feedback.append(message)
+            if after_feedback:
+                after_feedback(message)
+        self.feedback.clear()
+        self.client.send_goal(OptimizeDesignGoal(kind=kind, settings_file=settings_file), feedback_cb=heard)
+        self.assertTrue(self.client.wait_for_result(rospy.Duration(60)))
+        return self.client.get_result()
+
+    def test_computed_once_and_found_again(self):
+        first = self.ask()
+        self.assertEqual(first.code, OptimizeDesignResult.SUCCEEDED, first.message)
+        self.assertFalse(first.from_store)
+        iterations = [f.iteration for f in self.feedback if f.stage == OptimizeDesignFeedback.OPTIMIZING]
+        self.assertEqual(iterations, list(range(8)))
+        self.assertTrue(any(f.stage == OptimizeDesignFeedback.CHECKING for f in self.feedback))
+        self.assertTrue(os.path.exists(os.path.join(first.folder, "report.json")))
+        self.assertTrue(os.path.exists(os.path.join(first.folder, "parts", "arm.stl")))
+        geometry = rospy.wait_for_message("designed/arm_geometry", ArmGeometry, timeout=10)
+        self.assertEqual(geometry.density_file, os.path.join(first.folder, "density.csv"))
+        curve = rospy.wait_for_message("designed/force_curve", ForceDisplacementCurve, timeout=10)
+        self.assertEqual(curve.inputs_sha256, first.inputs_sha256)
+        self.assertEqual(curve.bistable, first.verdict)
+        again = self.ask()
+        self.assertTrue(again.from_store)
+        self.assertEqual(len(self.feedback), 0)
+        self.assertEqual((again.folder, again.objective, again.verdict), (first.folder, first.objective, first.verdict))
+        self.assertLess(again.seconds, first.seconds)
+
+    def test_preempted_and_gone_on_with(self):
+        halted = self.ask(after_feedback=lambda f: f.iteration == 2 and self.client.cancel_goal())
+        self.assertEqual(self.client.get_state(), GoalStatus.PREEMPTED)
+        self.assertEqual(halted.code, OptimizeDesignResult.PREEMPTED)
+        rest = self.ask()
+        self.assertEqual(rest.code, OptimizeDesignResult.SUCCEEDED, rest.message)
+        self.assertGreaterEqual(self.feedback[0].iteration, 2)
+
+    def test_bad_input_is_named(self):
+        missing = self.ask("no_such_file.yaml")
+        self.assertEqual(missing.code, OptimizeDesignResult.BAD_INPUT)
+        self.assertIn("no_such_file.yaml", missing.message)
+        unknown = self.ask(kind=OptimizeDesignGoal.UNKNOWN)
+        self.assertEqual(unknown.code, OptimizeDesignResult.BAD_INPUT)
+        self.assertIn("kind", unknown.message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_design")
+    rostest.rosrun("snapwing", "design", Design, sys.argv)
