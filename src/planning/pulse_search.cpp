@@ -25,6 +25,8 @@ PulseSearch::PulseSearch(const common::Vehicle& vehicle, const common::ForceTabl
   fleet_.add(sobolPoints(n, settings.search_samples, 1));
   checked_.add(BoxPoint(n, 0.0));
   checked_.add(sobolPoints(n, settings.verify_samples, 1 + settings.search_samples));
+  // Both ends of each number alone: a cliff right at an end hides from any number of samples.
+  checked_.add(axisPoints(n));
 }
 
 void PulseSearch::scan() {

@@ -56,7 +56,9 @@ MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::M
       peak_speed_(std::abs(first.ring_speed)),
       crossing_time_(NONE),
       entry_(INFINITY),
-      hold_(INFINITY) {}
+      hold_(INFINITY),
+      earlier_distance_(-INFINITY),
+      last_distance_(-INFINITY) {}
 
 double MarginWatch::barrierUnder(double load) const {
   double travel = 0;
@@ -74,8 +76,7 @@ double MarginWatch::barrierOf(common::Mode side) const {
   return side == common::Mode::FIXED_WING ? equilibria_.barrier_first : equilibria_.barrier_second;
 }
 
-void MarginWatch::enter(common::Mode side, double rate, double load) {
-  const bool by_motion = (side == common::Mode::QUADROTOR) == (rate > 0);
+void MarginWatch::enter(common::Mode side, double relative_rate, double load) {
   // Without a barrier under this load, what the load has left over counts along the falling branch.
   double excess = 0;
   if (load > equilibria_.peak_force) {
@@ -84,15 +85,21 @@ void MarginWatch::enter(common::Mode side, double rate, double load) {
     excess = (equilibria_.valley_force - load) * (equilibria_.valley_travel - equilibria_.barrier);
   }
   side_ = side;
-  entry_ = by_motion ? (0.5 * mass_ * rate * rate + excess) / barrierOf(common::otherMode(side)) : INFINITY;
+  entry_ = (0.5 * mass_ * relative_rate * relative_rate + excess) / barrierOf(common::otherMode(side));
   hold_ = INFINITY;
+  earlier_distance_ = last_distance_ = -INFINITY;
 }
 
-void MarginWatch::turn(double travel, double rate_before, double load) {
-  peak_ = std::max(peak_, travel);
-  least_ = std::min(least_, travel);
-  const bool towards_barrier = (side_ == common::Mode::FIXED_WING) == (rate_before > 0);
-  if (towards_barrier) hold_ = std::min(hold_, basins_.clearance(side_, travel, 0.0, load) / barrierOf(side_));
+void MarginWatch::approach(double distance) {
+  double barrier = 0, rest = 0;
+  // Only on the flank between the basin's bottom and its barrier: elsewhere the load has just made or moved the basin,
+  // and its energy at this place says nothing about leaving it.
+  if (last_distance_ <= earlier_distance_ && last_distance_ < distance && basins_.barrier(last_load_, &barrier) &&
+      basins_.equilibrium(side_, last_load_, &rest) && (last_.travel - rest) * (barrier - last_.travel) >= 0) {
+    hold_ = std::min(hold_, basins_.clearance(side_, last_.travel, 0.0, last_load_) / barrierOf(side_));
+  }
+  earlier_distance_ = last_distance_;
+  last_distance_ = distance;
 }
 
 void MarginWatch::add(const LumpedState& next) {
@@ -103,18 +110,19 @@ void MarginWatch::add(const LumpedState& next) {
     const double s = bisectShare([&](double share) { return cubic.travel(share) - equilibria_.barrier; });
     crossing_time_ = last_.time + s * cubic.dt;
   }
-  // Turning and passing the loaded barrier, in the order in which they happen.
-  const common::Mode side = sideOf(next.travel, load);
-  const bool turns = (cubic.w0 < 0) != (cubic.w1 < 0) && cubic.w0 != 0;
-  const double turn_at = turns ? bisectShare([&](double s) { return cubic.rate(s); }) : 2.0;
-  double enter_at = 2.0;
-  if (side != side_) {
-    enter_at = bisectShare(
-        [&](double s) { return sideOf(cubic.travel(s), load_at(s)) == common::Mode::FIXED_WING ? -1.0 : 1.0; });
+  if ((cubic.w0 < 0) != (cubic.w1 < 0) && cubic.w0 != 0) {
+    const double turning = cubic.travel(bisectShare([&](double s) { return cubic.rate(s); }));
+    peak_ = std::max(peak_, turning);
+    least_ = std::min(least_, turning);
   }
-  if (turns && turn_at <= enter_at) turn(cubic.travel(turn_at), cubic.w0, load_at(turn_at));
-  if (side != side_) enter(side, cubic.rate(enter_at), load_at(enter_at));
-  if (turns && turn_at > enter_at) turn(cubic.travel(turn_at), cubic.w0, load_at(turn_at));
+  const double barrier = barrierUnder(load);
+  const common::Mode side = sideOf(next.travel, load);
+  if (side != side_) {
+    const double at = bisectShare(
+        [&](double s) { return sideOf(cubic.travel(s), load_at(s)) == common::Mode::FIXED_WING ? -1.0 : 1.0; });
+    enter(side, cubic.rate(at) - (barrier - barrierUnder(last_load_)) / cubic.dt, load_at(at));
+  }
+  approach(std::abs(next.travel - barrier));
   peak_ = std::max(peak_, next.travel);
   least_ = std::min(least_, next.travel);
   peak_speed_ = std::max(peak_speed_, std::abs(next.ring_speed));

@@ -26,8 +26,10 @@ class MarginWatch {
   /// Which side of the loaded barrier u is on.
   common::Mode sideOf(double travel, double load) const;
   double barrierOf(common::Mode side) const;
-  void enter(common::Mode side, double rate, double load);
-  void turn(double travel, double rate_before, double load);
+  /// @param relative_rate  [m/s] of the travel against the loaded barrier, which moves with the load
+  void enter(common::Mode side, double relative_rate, double load);
+  /// Takes the next distance from the loaded barrier; where the one before was the closest, its clearance counts.
+  void approach(double distance);
 
   const LumpedModel& model_;
   const Trial& trial_;
@@ -39,9 +41,10 @@ class MarginWatch {
   double last_load_;
   common::Mode side_;  ///< of the loaded barrier
   double peak_, least_, peak_speed_;
-  double crossing_time_;  ///< [s] last crossing of the unloaded barrier; NaN = none
-  double entry_;          ///< [1] energy by which the present side was entered
-  double hold_;           ///< [1] smallest clearance at turning points since then
+  double crossing_time_;                     ///< [s] last crossing of the unloaded barrier; NaN = none
+  double entry_;                             ///< [1] energy by which the present side was entered
+  double hold_;                              ///< [1] smallest clearance at closest approaches since then
+  double earlier_distance_, last_distance_;  ///< [m] from the loaded barrier at the two states seen last; -INF = none
 };
 
 }  // namespace snapwing::rom

@@ -53,6 +53,32 @@ TEST_F(Prediction, SwitchesAndMarginAgreeOverAGridOfPulses) {
   EXPECT_GT(stayed, 30);
 }
 
+TEST_F(Prediction, MarginVanishesOnBothSidesOfEveryThreshold) {
+  // While the motors slow down the barrier moves with the load: near a threshold the body rides on it without turning.
+  struct Case {
+    Mode start;
+    Mount mount;
+    double throttle, low, high;  // [s] the outcome differs between these lengths
+  };
+  for (const Case& c : {Case{Mode::FIXED_WING, Mount::BOOM, 0.58, 0.06, 0.12},
+                        {Mode::FIXED_WING, Mount::BOOM, 1.0, 0.01, 0.1},
+                        {Mode::FIXED_WING, Mount::BOOM, 0.85, 0.6, 0.8},
+                        {Mode::FIXED_WING, Mount::FREE, 0.7, 0.02, 0.1},
+                        {Mode::QUADROTOR, Mount::BOOM, 1.0, 0.4, 0.6},
+                        {Mode::QUADROTOR, Mount::FREE, 0.7, 0.9, 1.0}}) {
+    trial_.mount = c.mount;
+    double low = c.low, high = c.high;
+    const bool at_low = predict(c.start, c.throttle, low).snapped;
+    ASSERT_NE(at_low, predict(c.start, c.throttle, high).snapped) << c.throttle;
+    for (int i = 0; i < 30; ++i) {
+      const double middle = 0.5 * (low + high);
+      (predict(c.start, c.throttle, middle).snapped == at_low ? low : high) = middle;
+    }
+    EXPECT_NEAR(predict(c.start, c.throttle, low).energy_margin, 0.0, 1e-3) << c.throttle << " " << low;
+    EXPECT_NEAR(predict(c.start, c.throttle, high).energy_margin, 0.0, 1e-3) << c.throttle << " " << high;
+  }
+}
+
 TEST_F(Prediction, TheTwoPulsesOfThePaperSwitchTheShippedVehicle) {
   const SnapPrediction up = predict(Mode::FIXED_WING, 0.65, 0.2);
   EXPECT_TRUE(up.snapped);
