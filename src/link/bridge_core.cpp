@@ -6,12 +6,18 @@
 namespace snapwing::link {
 namespace {
 
-constexpr double MIN_GAP = 0.005;     ///< [s] between two frames
+constexpr double MIN_GAP = 0.007;     ///< [s] between two frames; SBUS receivers know no faster stream
 constexpr double TIME_SLACK = 1e-6;   ///< [s] rounding of the timer
 constexpr double BLIND_ARMING = 0.2;  ///< [s] after which a controller that cannot be read counts as armed
 
 std::int64_t micros(double seconds) { return std::llround(seconds * 1e6); }
 bool within(double value, double low, double high) { return value >= low && value <= high; }
+
+void count(Histogram& histogram, double value) {
+  std::size_t bin = 0;
+  while (bin < HISTOGRAM_EDGES.size() && value >= HISTOGRAM_EDGES[bin]) ++bin;
+  ++histogram[bin];
+}
 
 }  // namespace
 
@@ -97,6 +103,7 @@ Refusal BridgeCore::onPulse(const PulseCommand& command, double now) {
   // The latest command before the next frame wins; there is no queue.
   pending_ = command;
   has_pending_ = true;
+  urgent_ = true;
   status_.pulse_id = command.pulse_id;
   ++status_.commands_accepted;
   return Refusal::NONE;
@@ -160,6 +167,9 @@ Refusal BridgeCore::checkArming(const Sender& sender, double now, std::int64_t& 
   detail = controller.arming_flags;
   if (now - controller.status_time > settings_.telemetry_timeout) return Refusal::CONTROLLER_UNKNOWN;
   if (controller.failsafe) return Refusal::CONTROLLER_FAILSAFE;
+  if (settings_.pilot_override) {
+    return controller.armed && controller.override_active ? Refusal::NONE : Refusal::PILOT_NOT_READY;
+  }
   if (controller.arming_flags != 0 || controller.armed) return Refusal::CONTROLLER_NOT_READY;
   return Refusal::NONE;
 }
@@ -175,6 +185,7 @@ void BridgeCore::resetFault(Sender& sender) {
 }
 
 void BridgeCore::disarm() {
+  urgent_ = true;
   status_.state = BridgeState::IDLE;
   pulse_end_ = std::min(pulse_end_, status_.frame_time);
   has_pending_ = false;
@@ -182,6 +193,7 @@ void BridgeCore::disarm() {
 }
 
 void BridgeCore::latch(Fault fault, std::int64_t detail) {
+  if (active()) urgent_ = true;
   has_pending_ = false;
   pulse_end_ = std::min(pulse_end_, status_.frame_time);
   for (Sender& sender : senders_) sender.switch_off_seen = false;
@@ -211,16 +223,15 @@ const Channels& BridgeCore::tick(double now) {
   status_.telemetry_age = std::isfinite(status_.controller.status_time) ? now - status_.controller.status_time : -1.0;
   last_tick_ = now;
   schedule(now);
+  urgent_ = false;
   return status_.channels;
 }
 
 void BridgeCore::notePeriod(double now) {
   if (!std::isfinite(last_tick_)) return;
   const double period = now - last_tick_;
-  const double missed = std::abs(period - wanted_period_);
-  std::size_t bin = 0;
-  while (bin < HISTOGRAM_EDGES.size() && missed >= HISTOGRAM_EDGES[bin]) ++bin;
-  ++status_.period_histogram[bin];
+  const bool hurried = urgent_ && now < next_frame_ - TIME_SLACK;  // off the grid on purpose
+  if (!hurried) count(status_.period_histogram, std::abs(period - wanted_period_));
   if (now - worst_since_ > 0.5) {
     worst_before_ = worst_now_;
     worst_now_ = 0;
@@ -245,6 +256,7 @@ void BridgeCore::watchController(double now) {
   if (controller.failsafe) return latch(Fault::CONTROLLER_FAILSAFE, controller.arming_flags);
   const double age = now - controller.status_time;
   if (age > settings_.telemetry_timeout) return latch(Fault::TELEMETRY_LOST, micros(age));
+  if (settings_.pilot_override && !controller.override_active) return latch(Fault::PILOT_TOOK_OVER, 0);
   if (controller.status_time > armed_since_) {
     if (controller.armed) {
       controller_was_armed_ = true;
@@ -274,6 +286,11 @@ void BridgeCore::advancePulse(double now) {
   status_.state = BridgeState::PULSE;
   pulse_start_ = now;
   pulse_end_ = now + pending_.duration;
+  noteLatency(age);
+}
+
+void BridgeCore::noteLatency(double age) {
+  count(status_.latency_histogram, std::max(age, 0.0));
   status_.latency_worst = std::max(status_.latency_worst, age);
 }
 
@@ -281,7 +298,7 @@ void BridgeCore::composeChannels(double now) {
   const bool was_low = status_.commanded_throttle <= 0.0;
   status_.channels = safeChannels();
   status_.commanded_throttle = 0.0;
-  if (active()) status_.channels.us[AUX1] = CHANNEL_HIGH;
+  if (active() && !settings_.pilot_override) status_.channels.us[AUX1] = CHANNEL_HIGH;
   if (status_.state == BridgeState::PULSE) {
     const double rise = settings_.throttle_rise;
     const double ceiling = rise > 0.0 ? (now - pulse_start_ + settings_.frame_period) / rise : 1.0;
@@ -297,11 +314,20 @@ void BridgeCore::composeChannels(double now) {
 
 void BridgeCore::schedule(double now) {
   const double period = settings_.frame_period;
-  double next = next_frame_ + period;
-  while (next < now + 0.5 * period) next += period;  // late: skip grid points, never send a burst
+  double next = std::min(next_frame_, now) + period;  // a hurried frame starts the grid anew
+  while (next < now + 0.5 * period) next += period;   // late: skip grid points, never send a burst
   if (status_.state == BridgeState::PULSE && next > pulse_end_ - MIN_GAP) next = std::max(pulse_end_, now + MIN_GAP);
   next_frame_ = next;
   wanted_period_ = next - now;
+}
+
+double BridgeCore::earliestFrameTime() const {
+  return std::isfinite(last_tick_) ? std::min(next_frame_, last_tick_ + MIN_GAP) : next_frame_;
+}
+
+void BridgeCore::noteGrants(bool realtime, bool memory_locked) {
+  status_.realtime = realtime;
+  status_.memory_locked = memory_locked;
 }
 
 void BridgeCore::onSent(bool written, double now) {

@@ -17,6 +17,18 @@ constexpr std::size_t KEPT_FOR_ABORT = 16;  ///< places of the inbox that only a
 constexpr double STATUS_EXPIRY = 0.2;       ///< [s]
 constexpr int TELEMETRY_EVERY = 5;          ///< frames
 
+int makeEvent() {
+  const int descriptor = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  if (descriptor < 0) throw common::Error("no eventfd");
+  return descriptor;
+}
+
+void raiseEvent(int descriptor) {
+  const std::uint64_t one = 1;
+  const ssize_t ignored = write(descriptor, &one, sizeof one);
+  (void)ignored;  // a full counter wakes the reader as well
+}
+
 }  // namespace
 
 struct BridgeLcm::Lcm {
@@ -36,7 +48,11 @@ struct BridgeLcm::Lcm {
     const bool good =
         owner_.sealer_.unwrap(channel, buffer->data, buffer->data_size, wire) && fromLcm(wire, item.*member);
     const std::size_t keep_free = kind == Inbound::Kind::ABORT ? 0 : KEPT_FOR_ABORT;
-    if (!good || !owner_.inbox_.push(item, keep_free)) owner_.rejected_.fetch_add(1, std::memory_order_relaxed);
+    if (!good || !owner_.inbox_.push(item, keep_free)) {
+      owner_.rejected_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    raiseEvent(owner_.arrival_);
   }
   void onPulse(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
     take<snapwing_lcm::pulse_command_t>(buffer, channel, Inbound::Kind::PULSE, &Inbound::pulse);
@@ -56,8 +72,8 @@ struct BridgeLcm::Lcm {
 BridgeLcm::BridgeLcm(const std::string& url, const Key& key, std::int64_t session, Inbox& inbox, Outbox& outbox)
     : sealer_(key), session_(session), inbox_(inbox), outbox_(outbox) {
   lcm_ = std::make_unique<Lcm>(*this, url);
-  event_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-  if (event_ < 0) throw common::Error("no eventfd");
+  event_ = makeEvent();
+  arrival_ = makeEvent();
   listener_ = std::thread([this] { listen(); });
   publisher_ = std::thread([this] { publish(); });
 }
@@ -67,13 +83,10 @@ BridgeLcm::~BridgeLcm() {
   listener_.join();
   publisher_.join();
   close(event_);
+  close(arrival_);
 }
 
-void BridgeLcm::notify() {
-  const std::uint64_t one = 1;
-  const ssize_t ignored = write(event_, &one, sizeof one);
-  (void)ignored;  // a full counter wakes the publisher as well
-}
+void BridgeLcm::notify() { raiseEvent(event_); }
 
 void BridgeLcm::listen() {
   while (!stop_) lcm_->in.handleTimeout(50);

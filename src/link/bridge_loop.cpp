@@ -12,6 +12,7 @@ constexpr double SILENCE_LIMIT = 0.2;  ///< [s] without any answer after which t
 /// that stands still must not be left with a store of thrust frames. The controller takes 10.4 ms for each, and 20 ms
 /// after a gap before thrust returns: two stale frames are over by then, if nothing stands between them and safe ones.
 constexpr int WINDOW = 2;
+constexpr int THRUST_WINDOW = 1;      ///< a frame with thrust waits until the one before it is answered
 constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
 
 MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? MspVersion::V1 : MspVersion::V2; }
@@ -39,7 +40,7 @@ BridgeLoop::BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool r
       readback_(readback && speaksMsp(protocol)),
       transport_(transport),
       core_(settings, session, now),
-      watch_(mspVersion(protocol), allowed) {}
+      watch_(mspVersion(protocol), allowed, settings.pilot_override) {}
 
 WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
   if (protocol == Protocol::SBUS) return encodeSbus(channels);
@@ -76,7 +77,8 @@ void BridgeLoop::updateConnection(double now) {
 }
 
 bool BridgeLoop::windowOpen(double now) {
-  if (!readback_ || watch_.unansweredFrames() < WINDOW) {
+  const int window = core_.status().commanded_throttle > 0.0 ? THRUST_WINDOW : WINDOW;
+  if (!readback_ || watch_.unansweredFrames() < window) {
     window_closed_since_ = -1;
     return true;
   }
@@ -86,6 +88,16 @@ bool BridgeLoop::windowOpen(double now) {
   watch_.forgetFrames();
   window_closed_since_ = -1;
   return transport_.connected();
+}
+
+double BridgeLoop::nextFrameTime(double now) const {
+  const bool free = !readback_ || (watch_.unansweredFrames() == 0 && !watch_.asking(now));
+  return core_.urgent() && free ? core_.earliestFrameTime() : core_.nextFrameTime();
+}
+
+void BridgeLoop::takeIn(double now) {
+  drainInbox(now);
+  receive(now);
 }
 
 void BridgeLoop::frame(double now) {
@@ -115,7 +127,7 @@ void BridgeLoop::receive(double now) {
     for (std::size_t i = 0; i < got; ++i) {
       if (!parser_.push(bytes[i])) continue;
       watch_.onPacket(parser_.packet(), now);
-      if (parser_.packet().id == MSP_SET_RAW_RC) ask(now);
+      if (parser_.packet().id == MSP_SET_RAW_RC && !core_.urgent()) ask(now);
     }
     if (got < bytes.size()) break;
   }

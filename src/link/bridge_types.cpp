@@ -73,6 +73,8 @@ std::string describe(Fault fault, std::int64_t detail) {
       return "the bridge is ending";
     case Fault::MOTORS_DISAGREE:
       return "motors at " + std::to_string(detail) + " us while throttle low is sent";
+    case Fault::PILOT_TOOK_OVER:
+      return "the pilot let go of the override switch";
   }
   return "fault " + std::to_string(static_cast<int>(fault));
 }
@@ -115,6 +117,8 @@ std::string describe(Refusal refusal, std::int64_t detail) {
       return "flight controller is in failsafe";
     case Refusal::SWITCH_NOT_CYCLED:
       return "arm switch must be off once before it counts";
+    case Refusal::PILOT_NOT_READY:
+      return "the pilot has not armed or does not hold the override switch";
   }
   return "refusal " + std::to_string(static_cast<int>(refusal));
 }

@@ -35,7 +35,8 @@ const char* checkName(Check check) {
   }
 }
 
-ControllerWatch::ControllerWatch(MspVersion version, const std::set<std::string>& allowed) : version_(version) {
+ControllerWatch::ControllerWatch(MspVersion version, const std::set<std::string>& allowed, bool pilot_override)
+    : version_(version), pilot_override_(pilot_override) {
   for (const std::string& name : allowed) {
     bool known = false;
     for (const Check check :
@@ -72,9 +73,11 @@ void ControllerWatch::disconnected() {
   state_.known = false;
 }
 
+bool ControllerWatch::asking(double now) const { return asked_ != 0 && now - asked_time_ < ANSWER_TIMEOUT; }
+
 bool ControllerWatch::nextRequest(double now, MspPacket& out) {
   if (!state_.connected || frame_++ % 2 != 0) return false;
-  if (asked_ != 0 && now - asked_time_ < ANSWER_TIMEOUT) return false;
+  if (asking(now)) return false;
   std::uint16_t id = 0;
   for (std::size_t i = 0; i < IDENTITY.size() && id == 0; ++i) {
     if (!identity_read_[i]) id = IDENTITY[i];
@@ -130,6 +133,7 @@ void ControllerWatch::judge() {
   state_.known = failed == Check::NONE;
   arm_bit_ = boxes_.find(BOX_ARM);
   failsafe_bit_ = boxes_.find(BOX_FAILSAFE);
+  override_bit_ = boxes_.find(BOX_MSP_OVERRIDE);
 }
 
 Check ControllerWatch::judgeIdentity() const {
@@ -143,6 +147,7 @@ Check ControllerWatch::judgeIdentity() const {
     return Check::FAILSAFE_PROCEDURE;
   }
   if (boxes_.find(BOX_ARM) < 0 || boxes_.find(BOX_FAILSAFE) < 0) return Check::BOX_IDS;
+  if (pilot_override_ && boxes_.find(BOX_MSP_OVERRIDE) < 0) return Check::OVERRIDE_BOX;
   return Check::NONE;
 }
 
@@ -154,6 +159,7 @@ void ControllerWatch::onStatus(const MspPacket& packet, double now) {
   const auto on = [this](int bit) { return bit >= 0 && (telemetry_.status.modes >> bit & 1U) != 0; };
   state_.armed = on(arm_bit_);
   state_.failsafe = on(failsafe_bit_);
+  state_.override_active = on(override_bit_);
   state_.arming_flags = telemetry_.status.arming_flags;
   state_.status_time = telemetry_.status_time = now;
 }

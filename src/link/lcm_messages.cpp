@@ -109,7 +109,11 @@ bool fromLcm(const snapwing_lcm::link_status_t& in, BridgeStatus& out) {
   out.last_refusal_detail = in.last_refusal_detail;
   out.period_worst = in.period_worst;
   std::copy(std::begin(in.period_histogram), std::end(in.period_histogram), out.period_histogram.begin());
+  std::copy(std::begin(in.latency_histogram), std::end(in.latency_histogram), out.latency_histogram.begin());
   out.latency_worst = in.latency_worst;
+  out.realtime = in.realtime != 0;
+  out.memory_locked = in.memory_locked != 0;
+  out.controller.override_active = in.pilot_override != 0;
   out.controller.connected = in.controller_connected != 0;
   out.controller.known = in.controller_known != 0;
   out.controller.armed = in.controller_armed != 0;
@@ -138,7 +142,11 @@ snapwing_lcm::link_status_t toLcm(const BridgeStatus& in, const Stamp& stamp, st
   out.last_refusal_detail = in.last_refusal_detail;
   out.period_worst = in.period_worst;
   std::copy(in.period_histogram.begin(), in.period_histogram.end(), std::begin(out.period_histogram));
+  std::copy(in.latency_histogram.begin(), in.latency_histogram.end(), std::begin(out.latency_histogram));
   out.latency_worst = in.latency_worst;
+  out.realtime = in.realtime ? 1 : 0;
+  out.memory_locked = in.memory_locked ? 1 : 0;
+  out.pilot_override = in.controller.override_active ? 1 : 0;
   out.controller_connected = in.controller.connected ? 1 : 0;
   out.controller_known = in.controller.known ? 1 : 0;
   out.controller_armed = in.controller.armed ? 1 : 0;

@@ -1,5 +1,6 @@
 #include "snapwing/link/operator_link.h"
 
+#include <algorithm>
 #include <cmath>
 #include <lcm/lcm-cpp.hpp>
 
@@ -36,7 +37,7 @@ struct OperatorLink::Lcm {
     o.session_ = wire.stamp.session;
     o.last_status_number_ = wire.stamp.number;
     o.heard_ = now;
-    o.bridge_time_ = status.frame_time;
+    o.noteClock(now, status.frame_time, !same);
     o.rejected_by_bridge_ = wire.messages_rejected;
     o.status_ = status;
     ++o.counters_.statuses;
@@ -71,16 +72,25 @@ double OperatorLink::statusAge() const {
 
 bool OperatorLink::bridgeAlive() const { return statusAge() < BRIDGE_TIMEOUT; }
 
+void OperatorLink::noteClock(double now, double bridge_time, bool new_session) {
+  const double offset = now - bridge_time;
+  if (new_session || now - offset_since_ > 1.0) {
+    offset_before_ = new_session ? offset : offset_now_;
+    offset_now_ = offset;
+    offset_since_ = now;
+  }
+  offset_now_ = std::min(offset_now_, offset);
+}
+
 bool OperatorLink::stamp(Stamp& out, std::int64_t& number) {
-  const double age = statusAge();
-  if (!(age < BRIDGE_TIMEOUT)) {
+  if (!bridgeAlive()) {
     ++counters_.not_sent;
     return false;
   }
   out.sender_id = sender_id_;
   out.session = session_;
   out.number = ++number;
-  out.time = bridge_time_ + age;  // never ahead of the bridge: the status took its time to come here
+  out.time = monotonicSeconds() - std::min(offset_now_, offset_before_);
   out.expiry = COMMAND_EXPIRY;
   return true;
 }

@@ -21,6 +21,8 @@ StandinController::StandinController(const StandinSettings& settings, double now
   values_.us[ROLL] = values_.us[PITCH] = values_.us[YAW] = CHANNEL_CENTRE;
   values_.us[THROTTLE] = LOST_CHANNEL;
   valid_time_.fill(-1e9);
+  computer_.us.fill(LOST_CHANNEL);  // what the firmware shows before the first frame
+  computer_time_.fill(now);
   step(now);
 }
 
@@ -30,8 +32,27 @@ bool StandinController::flightChannelsValid(double now) const {
 }
 
 void StandinController::onFrame(const Channels& channels, double now) {
-  step(now);
   ++frames_;
+  if (settings_.override_mask == 0) return receive(channels, now);
+  const std::size_t count = static_cast<std::size_t>(std::clamp(channels.count, 0, MAX_CHANNELS));
+  std::copy_n(channels.us.begin(), count, computer_.us.begin());
+  std::fill_n(computer_time_.begin(), count, now);
+  step(now);
+}
+
+/// The computer's values are looked at when a frame of the pilot's comes, and never keep the receiver's signal alive.
+void StandinController::onPilotFrame(const Channels& channels, double now) {
+  Channels merged = channels;
+  override_active_ = channels.us[static_cast<std::size_t>(settings_.override_channel)] >= settings_.arm_threshold;
+  for (std::size_t i = 0; override_active_ && i < static_cast<std::size_t>(channels.count); ++i) {
+    const bool fresh = now - computer_time_[i] <= settings_.override_hold;
+    if ((settings_.override_mask >> i & 1U) != 0 && fresh) merged.us[i] = computer_.us[i];
+  }
+  receive(merged, now);
+}
+
+void StandinController::receive(const Channels& channels, double now) {
+  step(now);
   const std::size_t count = static_cast<std::size_t>(std::clamp(channels.count, 0, MAX_CHANNELS));
   for (std::size_t i = 0; i < count; ++i) {
     if (!valid(channels.us[i])) continue;

@@ -8,7 +8,7 @@ namespace {
 
 /// Order of the mode bits: ARM first as in release 4.5, FAILSAFE somewhere in the middle, so that who reads the modes
 /// must look the bit up.
-constexpr std::array<std::uint8_t, 6> BOXES = {BOX_ARM, 1, 2, BOX_FAILSAFE, 13, 36};
+constexpr std::array<std::uint8_t, 7> BOXES = {BOX_ARM, 1, 2, BOX_FAILSAFE, 13, 36, BOX_MSP_OVERRIDE};
 
 }  // namespace
 
@@ -70,13 +70,15 @@ void StandinMsp::serve(const MspPacket& packet, double now, MspPacket& reply) {
       encode(settings.failsafe, reply);
       break;
     case MSP_BOXIDS:
-      std::copy(BOXES.begin(), BOXES.end(), reply.payload.begin());
-      reply.size = BOXES.size();
+      // A firmware without override has no box for it.
+      reply.size = settings.override_mask != 0 ? BOXES.size() : BOXES.size() - 1;
+      std::copy_n(BOXES.begin(), reply.size, reply.payload.begin());
       break;
     case MSP_STATUS: {
       StatusReply status;
       status.cycle_time = 125;
-      status.modes = (controller_.armed() ? 1U << 0 : 0U) | (controller_.failsafe() ? 1U << 3 : 0U);
+      status.modes = (controller_.armed() ? 1U << 0 : 0U) | (controller_.failsafe() ? 1U << 3 : 0U) |
+                     (controller_.overrideActive() ? 1U << 6 : 0U);
       status.arming_flags = controller_.armingFlags();
       status.arming_flag_count = ARMING_FLAG_COUNT;
       encode(status, reply);

@@ -158,6 +158,38 @@ TEST_F(Core, CommandToFrameTakesLessThanAPeriod) {
   EXPECT_NEAR(core_.status().latency_worst, now_ - commanded, 1e-9);
 }
 
+/// A pulse, its abort and a released deadman do not wait for the grid; a heartbeat or a refused command does.
+TEST_F(Core, MessagesThatChangeTheFrameBringItForward) {
+  constexpr double GAP = 0.007;  // [s] the least between two frames
+  arm();
+  EXPECT_FALSE(core_.urgent());
+  const auto hurried = [this] {
+    EXPECT_TRUE(core_.urgent());
+    const double last = now_;
+    EXPECT_NEAR(core_.earliestFrameTime(), last + GAP, 1e-9);
+    now_ = core_.earliestFrameTime();
+    const Channels& channels = core_.tick(now_);
+    core_.onSent(true, now_);
+    EXPECT_FALSE(core_.urgent());
+    EXPECT_NEAR(core_.nextFrameTime(), now_ + 0.02, 1e-9) << "the grid starts anew";
+    return channels;
+  };
+  const Histogram periods = core_.status().period_histogram;
+  ASSERT_EQ(core_.onPulse(pulse(1, 0.5, 0.5), now_), Refusal::NONE);
+  EXPECT_EQ(hurried().us[THROTTLE], 1500);
+  EXPECT_EQ(core_.status().period_histogram, periods) << "a hurried frame is not a late one";
+  EXPECT_EQ(core_.status().latency_histogram[6], 1) << "5 to 10 ms";
+  EXPECT_EQ(core_.onPulse(pulse(1, 0.5, 0.5), now_), Refusal::REPEATED_PULSE);
+  EXPECT_EQ(beat(true), Refusal::NONE);
+  EXPECT_FALSE(core_.urgent());
+  beat(true, false);
+  EXPECT_EQ(hurried().us[AUX1], 1000);
+  arm();
+  core_.onAbort({stamp(), 3}, now_);
+  hurried();
+  EXPECT_TRUE(safe());
+}
+
 TEST_F(Core, RefusesBadPulses) {
   run(0.1, false);
   EXPECT_EQ(core_.onPulse(pulse(1, 0.5, 0.1), now_), Refusal::NOT_ARMED);

@@ -76,6 +76,28 @@ TEST(BridgeLoop, PulseReachesTheMotors) {
   EXPECT_NEAR(s.now - start, 0.2, 0.0125);
 }
 
+/// Command in the inbox to frame on the line, at any phase of frames, answers and questions: not even a period when the
+/// controller must be asked as well; and the frame is served in one turn, since nothing stands before it.
+TEST(BridgeLoop, CommandReachesTheLineWithinAPeriod) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> moment(0.2, 0.4);
+  Simulation s;
+  s.arm();
+  double worst = 0, worst_motor = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    s.run(moment(rng));
+    const double commanded = s.now;
+    s.command(0.5, 0.05);
+    ASSERT_TRUE(s.runUntil(0.1, [&] { return s.bridge->core().status().commanded_throttle > 0; }));
+    worst = std::max(worst, s.now - commanded);
+    ASSERT_TRUE(s.runUntil(0.1, [&] { return s.fc.motorMicroseconds() > IDLE_OUTPUT; }));
+    worst_motor = std::max(worst_motor, s.now - commanded);
+  }
+  EXPECT_LT(worst, 0.0135);  // a question's turn of 10.4 ms, steps of 1 ms
+  EXPECT_LT(worst_motor, 0.0245);
+  EXPECT_EQ(s.port.lostCommands(), 0);
+}
+
 /// kill -9 at 100 moments of a pulse: thrust held at most 0.28 s, then idle, failsafe at 1.5 s, and nothing comes back.
 TEST(BridgeLoop, KilledBridge) {
   std::mt19937 rng(7);

@@ -79,11 +79,15 @@ void Simulation::step() {
     if (bridge_runs) bridge->inbox().push(beat);
   }
   if (bridge_runs) {
-    bridge->receive(now);
-    if (now >= bridge->core().nextFrameTime()) bridge->frame(now);
+    bridge->takeIn(now);
+    if (now >= bridge->nextFrameTime(now)) bridge->frame(now);
     Outbound gone;
     while (bridge->outbox().pop(gone)) {
     }
+  }
+  if (pilot && now >= next_pilot_) {
+    next_pilot_ = now + 0.009;
+    fc.onPilotFrame(*pilot, now);
   }
   std::uint8_t bytes[1024];
   while (line_open) {
@@ -120,15 +124,21 @@ void Simulation::arm() {
   run(0.1);
 }
 
-Refusal Simulation::pulse(double throttle, double duration) {
+void Simulation::command(double throttle, double duration, std::optional<double> pitch) {
   Inbound item;
   item.kind = Inbound::Kind::PULSE;
   item.pulse.stamp = {1, session_, ++number_, now, 0.1};
   item.pulse.pulse_id = ++pulse_id;
   item.pulse.throttle = throttle;
   item.pulse.duration = duration;
-  const std::int64_t refused = bridge->core().status().commands_refused;
+  item.pulse.mixed = pitch.has_value();
+  item.pulse.pitch = pitch.value_or(0.0);
   bridge->inbox().push(item);
+}
+
+Refusal Simulation::pulse(double throttle, double duration) {
+  const std::int64_t refused = bridge->core().status().commands_refused;
+  command(throttle, duration);
   run(0.021);
   return bridge->core().status().commands_refused > refused ? bridge->core().status().last_refusal : Refusal::NONE;
 }

@@ -7,6 +7,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/standin_controller.h"
@@ -48,6 +49,8 @@ class Simulation {
   bool runUntil(double limit, const std::function<bool()>& done);
   void arm();
   Refusal pulse(double throttle, double duration);
+  /// Puts a pulse into the bridge's inbox; mixed if a pitch is given.
+  void command(double throttle, double duration, std::optional<double> pitch = {});
   /// A new process in the place of a killed one.
   void restartBridge();
 
@@ -56,6 +59,7 @@ class Simulation {
   bool line_open = true;    ///< false: bytes wait in the pipes, nobody reads
   bool operator_runs = true;
   bool arm_switch = false, deadman = true, reset = false;
+  std::optional<Channels> pilot;  ///< sticks and switches of a pilot's receiver, a frame every 9 ms; empty = off
   std::int64_t pulse_id = 0;
 
   PipeTransport line;
@@ -69,7 +73,7 @@ class Simulation {
   BridgeSettings bridge_settings_;
   std::set<std::string> allowed_;
   std::int64_t session_ = 1000, number_ = 0;
-  double next_beat_ = 0;
+  double next_beat_ = 0, next_pilot_ = 0;
 };
 
 }  // namespace snapwing::link::test

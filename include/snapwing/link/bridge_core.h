@@ -13,7 +13,8 @@
 ///          | motors disagree, own loop stalled, shutdown       | FAULT |
 ///   FAULT  | reset with arm switch off, controller disarmed    | IDLE  | throttle low, AUX1 low
 ///
-/// An abort or a shutdown latches FAULT from every state.
+/// An abort or a shutdown latches FAULT from every state. With pilot_override AUX1 stays low in every state, ARMED
+/// needs a controller that the pilot has armed with the override switch held, and letting go of either latches FAULT.
 
 #include <array>
 
@@ -37,10 +38,16 @@ class BridgeCore {
   /// When tick() is due next: the frame grid, brought forward to a pulse's deadline so that a pulse has its exact
   /// length.
   double nextFrameTime() const { return next_frame_; }
-  /// Advances the state machine and gives the channels to send now. Call at nextFrameTime().
+  /// A message has changed what must be sent: the next frame may come as early as earliestFrameTime(), if the line is
+  /// free. The grid starts anew from it.
+  bool urgent() const { return urgent_; }
+  double earliestFrameTime() const;
+  /// Advances the state machine and gives the channels to send now. Call at nextFrameTime(), or earlier if urgent().
   const Channels& tick(double now);
   /// The line took the frame of the last tick, or did not.
   void onSent(bool written, double now);
+  /// What the process was granted; goes into the status.
+  void noteGrants(bool realtime, bool memory_locked);
 
   /// Latches FAULT(SHUTDOWN). The caller goes on ticking until shutdownDone().
   void requestShutdown(double now);
@@ -77,6 +84,7 @@ class BridgeCore {
   void advancePulse(double now);
   void composeChannels(double now);
   void notePeriod(double now);
+  void noteLatency(double age);
   void schedule(double now);
   bool active() const { return status_.state == BridgeState::ARMED || status_.state == BridgeState::PULSE; }
 
@@ -100,6 +108,7 @@ class BridgeCore {
   PulseCommand pending_;
   double pulse_start_ = 0, pulse_end_ = 0;
   double low_since_ = 0;  ///< throttle low sent since
+  bool urgent_ = false;
   double shutdown_since_ = -1;
 };
 

@@ -21,6 +21,8 @@ class BridgeLcm {
 
   /// The loop has put something into the outbox. Does not wait.
   void notify();
+  /// Readable, for poll(), when messages have been put into the inbox; read it to clear.
+  int arrivals() const { return arrival_; }
 
  private:
   struct Lcm;
@@ -36,7 +38,7 @@ class BridgeLcm {
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> rejected_{0};
   std::int64_t status_number_ = 0, telemetry_number_ = 0;
-  int event_ = -1;
+  int event_ = -1, arrival_ = -1;
   std::thread listener_, publisher_;
 };
 

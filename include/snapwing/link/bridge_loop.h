@@ -45,10 +45,13 @@ class BridgeLoop {
   BridgeCore& core() { return core_; }
   const ControllerWatch& watch() const { return watch_; }
 
-  /// One frame: call when now >= core().nextFrameTime().
+  /// When the next frame is due: the core's grid, or earlier when a message has changed what must be sent and nothing
+  /// is on its way that the controller would have to serve first.
+  double nextFrameTime(double now) const;
+  /// One frame: call when now >= nextFrameTime(now).
   void frame(double now);
-  /// Reads what the line has brought.
-  void receive(double now);
+  /// Takes messages and what the line has brought, without sending a frame.
+  void takeIn(double now);
 
   /// Throttle low, AUX1 low, ready to send: for the handler of a crash.
   static WireFrame safeFrame(Protocol protocol);
@@ -56,6 +59,7 @@ class BridgeLoop {
  private:
   static WireFrame encodeFrame(Protocol protocol, const Channels& channels);
   void drainInbox(double now);
+  void receive(double now);
   void updateConnection(double now);
   bool windowOpen(double now);
   void ask(double now);

@@ -58,6 +58,7 @@ enum class Fault : std::int32_t {
   LOOP_STALLED = 8,           ///< the bridge itself was stopped while armed; detail: [us] gap
   SHUTDOWN = 9,               ///< the bridge is about to end
   MOTORS_DISAGREE = 10,       ///< motors above idle while throttle low is sent; detail: [us] largest output
+  PILOT_TOOK_OVER = 11,       ///< the pilot let go of the override switch
 };
 
 /// Why a message had no effect.
@@ -80,6 +81,7 @@ enum class Refusal : std::int32_t {
   CONTROLLER_NOT_READY = 15,  ///< detail: arming-disable flags
   CONTROLLER_FAILSAFE = 16,
   SWITCH_NOT_CYCLED = 17,  ///< the arm switch has not been off yet
+  PILOT_NOT_READY = 18,    ///< override: the pilot has not armed or does not hold the override switch
 };
 /// Plain sentences for logs and messages, e.g. "command is 130 ms old, limit 100 ms".
 std::string describe(Fault fault, std::int64_t detail);
@@ -95,6 +97,7 @@ struct ControllerState {
   int failed_check = 0;  ///< first check not passed
   bool armed = false;
   bool failsafe = false;
+  bool override_active = false;  ///< the pilot holds the override switch
   std::uint32_t arming_flags = 0;
   int motor_max = 0;  ///< [us] largest motor output; 0 = not read
   double motor_time = -std::numeric_limits<double>::infinity();
@@ -118,11 +121,15 @@ struct BridgeSettings {
   double motor_check_delay = 0.6;   ///< [s] after throttle low, read-back motors must be at idle
   int motor_idle_limit = 1120;      ///< [us] above this is not idle
   double exit_time = 0.3;           ///< [s] throttle low and AUX1 low sent on shutdown, at least 0.2
+  /// The pilot's receiver leads; these frames count on masked channels only, while the pilot's switch allows it. The
+  /// pilot arms, AUX1 is always sent low, and letting go of the switch ends everything.
+  bool pilot_override = false;
   /// @throws common::SettingError naming the key
   void validate() const;
 };
 
 constexpr int HISTOGRAM_BINS = 10;
+using Histogram = std::array<std::int64_t, HISTOGRAM_BINS>;
 /// Upper edges of all but the last bin [s].
 constexpr std::array<double, HISTOGRAM_BINS - 1> HISTOGRAM_EDGES = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3,
                                                                     5e-3, 1e-2, 2e-2, 5e-2};
@@ -141,9 +148,12 @@ struct BridgeStatus {
   std::int64_t commands_refused = 0;
   Refusal last_refusal = Refusal::NONE;
   std::int64_t last_refusal_detail = 0;
-  double period_worst = 0;  ///< [s] over the last second
-  std::array<std::int64_t, HISTOGRAM_BINS> period_histogram{};
-  double latency_worst = 0;  ///< [s]
+  double period_worst = 0;        ///< [s] over the last second
+  Histogram period_histogram{};   ///< how far each frame of the grid missed its time
+  Histogram latency_histogram{};  ///< command stamped -> its first frame
+  double latency_worst = 0;       ///< [s]
+  bool realtime = false;          ///< the loop has real-time priority
+  bool memory_locked = false;
   ControllerState controller;
   double telemetry_age = -1;  ///< [s]; negative = never
 };

@@ -22,6 +22,7 @@ enum class Check : int {
   FAILSAFE_DELAY = 5,      ///< longer than 1.5 s
   FAILSAFE_PROCEDURE = 6,  ///< not "motors off"
   BOX_IDS = 7,             ///< no ARM or FAILSAFE box: armed cannot be read
+  OVERRIDE_BOX = 8,        ///< pilot's override asked for, and no MSP OVERRIDE box
 };
 /// Name by which a failed check can be allowed: "controller", "api-version", "rx-map", "failsafe-delay",
 /// "failsafe-procedure"; empty for those that cannot be.
@@ -41,7 +42,8 @@ struct ControllerTelemetry {
 class ControllerWatch {
  public:
   /// @param allowed  names of checks that need not pass. @throws common::Error for an unknown name
-  ControllerWatch(MspVersion version, const std::set<std::string>& allowed);
+  /// @param pilot_override  an MSP OVERRIDE box must be there
+  ControllerWatch(MspVersion version, const std::set<std::string>& allowed, bool pilot_override = false);
 
   /// A new connection: everything must be read again.
   void connected(double now);
@@ -53,6 +55,8 @@ class ControllerWatch {
   void onPacket(const MspPacket& packet, double now);
 
   const ControllerState& state() const { return state_; }
+  /// A question is on its way and its answer may still come.
+  bool asking(double now) const;
   const ControllerTelemetry& telemetry() const { return telemetry_; }
   /// First check that failed although its answer has come.
   Check failedCheck() const { return static_cast<Check>(state_.failed_check); }
@@ -64,7 +68,6 @@ class ControllerWatch {
   double lastAnswer() const { return last_answer_; }
 
  private:
-  bool answered(std::uint16_t id) const;
   void judge();
   Check judgeIdentity() const;
   bool allowed(Check check) const { return (allowed_mask_ >> static_cast<int>(check) & 1U) != 0; }
@@ -72,12 +75,13 @@ class ControllerWatch {
 
   MspVersion version_;
   unsigned allowed_mask_ = 0;
+  bool pilot_override_;
   ControllerState state_;
   ControllerTelemetry telemetry_;
   BoxIds boxes_;
   RxMap rx_map_;
   std::array<bool, 5> identity_read_{};
-  int arm_bit_ = -1, failsafe_bit_ = -1;
+  int arm_bit_ = -1, failsafe_bit_ = -1, override_bit_ = -1;
   unsigned frame_ = 0, turn_ = 0;
   std::uint16_t asked_ = 0;  ///< 0 = no question open
   double asked_time_ = 0;

@@ -12,7 +12,8 @@ namespace snapwing::link {
 
 constexpr std::uint8_t BOX_ARM = 0;        ///< permanent id
 constexpr std::uint8_t BOX_FAILSAFE = 27;  ///< permanent id
-constexpr int MSP_MAX_CHANNELS = 16;       ///< that we send; the firmware takes 18
+constexpr std::uint8_t BOX_MSP_OVERRIDE = 50;
+constexpr int MSP_MAX_CHANNELS = 16;  ///< that we send; the firmware takes 18
 
 struct ApiVersion {
   int protocol = 0, major = 0, minor = 0;

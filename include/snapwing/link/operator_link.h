@@ -52,6 +52,7 @@ class OperatorLink {
 
  private:
   struct Lcm;
+  void noteClock(double now, double bridge_time, bool new_session);
   bool stamp(Stamp& out, std::int64_t& number);
   template <class Message>
   bool send(const char* channel, const Message& message);
@@ -62,8 +63,10 @@ class OperatorLink {
   std::int64_t sender_id_;
   std::int64_t pulse_number_ = 0, heartbeat_number_ = 0, abort_number_ = 0;
   std::int64_t session_ = 0, last_status_number_ = 0;
-  double heard_ = -1e9;     ///< [s] own clock, when the last status arrived
-  double bridge_time_ = 0;  ///< [s] bridge's clock in it
+  double heard_ = -1e9;  ///< [s] own clock, when the last status arrived
+  /// [s] own clock minus the bridge's, the smallest seen in this second and the last: the status that took least time
+  /// to come here tells the bridge's clock best, and never makes a stamp run ahead of it.
+  double offset_now_ = 0, offset_before_ = 0, offset_since_ = 0;
   BridgeStatus status_;
   snapwing_lcm::telemetry_t telemetry_{};
   bool telemetry_known_ = false;

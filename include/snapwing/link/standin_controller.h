@@ -39,6 +39,11 @@ struct StandinSettings {
   int min_check = 1050;      ///< throttle below is low
   int motor_idle = 1070;
   int motor_off = 1000;
+  /// MSP override: not 0 makes the pilot's receiver the main one. Frames of onFrame() then replace the channels of this
+  /// mask (bit n = n-th wire channel), while the pilot's override channel is high.
+  unsigned override_mask = 0;
+  int override_channel = 5;     ///< wire channel of the pilot's switch, AUX2
+  double override_hold = 1e18;  ///< release 4.5 uses the last MSP value for ever; later ones age it
   ApiVersion api{0, 1, 46};
   std::array<char, 4> variant{'B', 'T', 'F', 'L'};
   FailsafeConfig failsafe{1.5, 1.0, 1000, 0, 10.0, 1};
@@ -50,13 +55,16 @@ class StandinController {
   /// @param now  [s] power on
   StandinController(const StandinSettings& settings, double now);
 
-  /// A good frame from the receiver. Channels beyond its count keep their values; those outside 885..2115 are invalid.
+  /// A good frame from the computer. Channels beyond its count keep their values; those outside 885..2115 are invalid.
   void onFrame(const Channels& channels, double now);
+  /// A frame of the pilot's own receiver, with an override mask only.
+  void onPilotFrame(const Channels& channels, double now);
   /// Advances timers; call at least every few milliseconds.
   void step(double now);
 
   bool armed() const { return armed_; }
   bool failsafe() const { return failsafe_; }
+  bool overrideActive() const { return override_active_; }
   std::uint32_t armingFlags() const { return flags_; }
   /// [us] of each motor; equal, since the stand-in has no attitude loop.
   int motorMicroseconds() const { return motor_; }
@@ -67,6 +75,7 @@ class StandinController {
   const StandinSettings& settings() const { return settings_; }
 
  private:
+  void receive(const Channels& channels, double now);
   bool flightChannelsValid(double now) const;
   void updateArming(double now);
   void updateFailsafe(double now);
@@ -89,6 +98,9 @@ class StandinController {
   std::uint32_t flags_ = 0;
   int motor_;
   std::int64_t frames_ = 0;
+  Channels computer_;  ///< with an override mask: last values of its frames, wire order
+  std::array<double, MAX_CHANNELS> computer_time_{};
+  bool override_active_ = false;
 };
 
 /// The serial port of the stand-in: one MSP command served per turn of a fixed-rate task.

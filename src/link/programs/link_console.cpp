@@ -30,7 +30,7 @@ void printStatus(const link::OperatorLink& link, double now) {
       "%lld, "
       "\"rejected\": %lld, \"refusal\": \"%s\", \"latency_worst\": %.6f, \"connected\": %d, \"known\": %d, \"armed\": "
       "%d, "
-      "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld}\n",
+      "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld, \"realtime\": %d, \"locked\": %d}\n",
       now, s.frame_time, link::stateName(s.state), link::describe(s.fault, s.fault_detail).c_str(),
       static_cast<long long>(s.pulse_id), s.commanded_throttle, s.channels.us[link::THROTTLE],
       s.channels.us[link::AUX1], static_cast<long long>(s.frames_sent), static_cast<long long>(s.frames_dropped),
@@ -38,7 +38,7 @@ void printStatus(const link::OperatorLink& link, double now) {
       static_cast<long long>(link.messagesRejectedByBridge()),
       link::describe(s.last_refusal, s.last_refusal_detail).c_str(), s.latency_worst, s.controller.connected ? 1 : 0,
       s.controller.known ? 1 : 0, s.controller.armed ? 1 : 0, s.controller.failsafe ? 1 : 0, s.controller.arming_flags,
-      static_cast<long long>(link.counters().missed));
+      static_cast<long long>(link.counters().missed), s.realtime ? 1 : 0, s.memory_locked ? 1 : 0);
 }
 
 void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
@@ -62,7 +62,8 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
     double throttle = 0, duration = 0, pitch = 0;
     words >> id >> throttle >> duration;
     const bool mixed = static_cast<bool>(words >> pitch);
-    link.sendPulse(id, throttle, duration, pitch, mixed);
+    const double now = link::monotonicSeconds();
+    if (link.sendPulse(id, throttle, duration, pitch, mixed)) std::printf("{\"sent\": %lld, \"t\": %.6f}\n", id, now);
   }
 }
 

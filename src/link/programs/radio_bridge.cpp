@@ -6,11 +6,14 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -90,43 +93,58 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--heartbeat-timeout", o.settings.heartbeat_timeout, "silence of the operator that disarms [s]")
       ->capture_default_str();
   app.add_option("--frame-period", o.settings.frame_period, "[s]")->capture_default_str();
+  app.add_flag("--pilot-override", o.settings.pilot_override,
+               "the pilot's receiver leads and these frames count on masked channels only, while the pilot holds the "
+               "MSP OVERRIDE switch; the pilot arms");
   app.add_option("--realtime-priority", o.realtime_priority, "SCHED_FIFO priority of the loop if allowed, 0 = none")
       ->check(CLI::Range(0, 90))
       ->capture_default_str();
 }
 
-/// Real-time priority and locked memory, as far as this user may; the bridge also works without.
-void askForRealTime(int priority) {
-  prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);
-  if (priority <= 0) return;
-  mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT);
+bool takePriority(int priority) {
   sched_param wanted{};
   wanted.sched_priority = priority;
-  const bool granted = sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
-  std::fprintf(stderr, "radio_bridge: real-time priority %s\n", granted ? "granted" : "not granted, going on without");
+  return priority > 0 && sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
 }
 
-void waitUntil(double due, int descriptor) {
-  const double left = due - link::monotonicSeconds();
-  if (left <= 0) return;
-  timespec timeout{static_cast<time_t>(left), 0};
-  timeout.tv_nsec = static_cast<long>(1e9 * (left - static_cast<double>(timeout.tv_sec)));
-  pollfd waiting{descriptor, POLLIN, 0};
-  ppoll(&waiting, descriptor >= 0 ? 1 : 0, &timeout, nullptr);
-}
+/// Sleeps until an absolute time, a message or bytes on the line; a loop held up on its way here is not late for that.
+class Waiter {
+ public:
+  explicit Waiter(int arrivals) : arrivals_(arrivals), timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK)) {
+    if (timer_ < 0) throw common::Error("no timer");
+  }
+  ~Waiter() { close(timer_); }
+  Waiter(const Waiter&) = delete;
+  Waiter& operator=(const Waiter&) = delete;
+
+  void sleep(double until, int line) {
+    itimerspec when{};
+    when.it_value.tv_sec = static_cast<time_t>(until);
+    when.it_value.tv_nsec = std::max(1L, static_cast<long>(1e9 * (until - std::floor(until))));
+    timerfd_settime(timer_, TFD_TIMER_ABSTIME, &when, nullptr);
+    pollfd waiting[] = {{timer_, POLLIN, 0}, {arrivals_, POLLIN, 0}, {line, POLLIN, 0}};
+    if (poll(waiting, 3, -1) <= 0 || waiting[1].revents == 0) return;
+    std::uint64_t ignored = 0;
+    if (read(arrivals_, &ignored, sizeof ignored) < 0) return;
+  }
+
+ private:
+  int arrivals_, timer_;
+};
 
 void run(link::BridgeLoop& loop, link::BridgeLcm& lcm, link::Transport& transport) {
+  Waiter waiter(lcm.arrivals());
   while (true) {
     const double now = link::monotonicSeconds();
     if (stop_signal != 0) loop.core().requestShutdown(now);
-    if (now >= loop.core().nextFrameTime()) {
+    if (now >= loop.nextFrameTime(now)) {
       loop.frame(now);
       crash_descriptor = transport.connected() ? transport.descriptor() : -1;
       lcm.notify();
       if (loop.core().shutdownDone(now)) return;
     } else {
-      loop.receive(now);
-      waitUntil(loop.core().nextFrameTime(), transport.connected() ? transport.descriptor() : -1);
+      loop.takeIn(now);
+      waiter.sleep(loop.nextFrameTime(now), transport.connected() ? transport.descriptor() : -1);
     }
   }
 }
@@ -150,12 +168,19 @@ int start(const Options& o) {
   const std::int64_t session = link::randomId();
   crash_frame = link::BridgeLoop::safeFrame(protocol);
   link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
-  if (o.realtime_priority > 0)
-    setpriority(PRIO_PROCESS, 0, -15);  // inherited by LCM's threads; the loop gets more below
+  prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);
+  // LCM's threads inherit a little less than the loop gets afterwards.
+  if (o.realtime_priority > 0 && !takePriority(std::max(1, o.realtime_priority - 10)))
+    setpriority(PRIO_PROCESS, 0, -15);
   link::BridgeLcm lcm(o.lcm_url, key, session, loop.inbox(), loop.outbox());
   std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(),
                o.protocol.c_str(), o.lcm_url.c_str());
-  askForRealTime(o.realtime_priority);
+  const bool realtime = takePriority(o.realtime_priority);
+  // After the threads are there: under a small limit it fails here, and not in the middle of the work.
+  const bool locked = o.realtime_priority > 0 && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  loop.core().noteGrants(realtime, locked);
+  std::fprintf(stderr, "radio_bridge: real-time priority %s, memory %s\n", realtime ? "granted" : "not granted",
+               locked ? "locked" : "not locked");
   run(loop, lcm, *transport);
   std::fprintf(stderr, "radio_bridge: ended, throttle low and AUX1 low were sent for %.2f s\n", o.settings.exit_time);
   return 0;

@@ -60,6 +60,12 @@ bool isActive(link::BridgeState state) {
   return state == link::BridgeState::ARMED || state == link::BridgeState::PULSE;
 }
 
+std::string listed(const link::Histogram& histogram) {
+  std::string text;
+  for (const std::int64_t count : histogram) text += (text.empty() ? "" : " ") + std::to_string(count);
+  return text;
+}
+
 LinkStatus toMessage(const link::BridgeStatus& status, const link::OperatorLink& link) {
   LinkStatus message;
   message.header.stamp = ros::Time::now();
@@ -310,6 +316,10 @@ class FlightLinkNode {
     out.add("frames dropped", status_.frames_dropped);
     out.addf("worst frame period [s]", "%.4f", status_.period_worst);
     out.addf("worst command latency [s]", "%.4f", status_.latency_worst);
+    out.add("frames late by < .1 .2 .5 1 2 5 10 20 50 ms, more", listed(status_.period_histogram));
+    out.add("commands to frame < .1 .2 .5 1 2 5 10 20 50 ms, more", listed(status_.latency_histogram));
+    out.add("real-time priority", status_.realtime);
+    out.add("memory locked", status_.memory_locked);
   }
 
   void diagnoseController(diagnostic_updater::DiagnosticStatusWrapper& out) {
@@ -327,6 +337,7 @@ class FlightLinkNode {
     }
     out.add("arming-disable flags", link::describeArmingFlags(controller.arming_flags));
     out.addf("telemetry age [s]", "%.3f", status_.telemetry_age);
+    out.add("pilot's override switch held", controller.override_active);
     out.addf("interface version", "%d.%d", telemetry_.api_major, telemetry_.api_minor);
     out.add("variant", std::string(reinterpret_cast<const char*>(telemetry_.variant), 4).c_str());
     out.addf("failsafe delay [s]", "%.1f", telemetry_.failsafe_delay);

@@ -1,6 +1,7 @@
 """Real programs on the loopback: stand-in flight controller, radio bridge, operator's console. Used by the process tests and
 by the fault table. Times are seconds of the monotonic clock that all of them share."""
 import contextlib
+import itertools
 import json
 import os
 import pathlib
@@ -16,10 +17,22 @@ OFF = 1000
 BLINK = 0.002  # s; what motors with a lag of tens of milliseconds cannot follow
 
 
+_ports = itertools.count(20000 + 100 * (os.getpid() % 120))
+
+
 def free_port(kind):
-    with contextlib.closing(socket.socket(socket.AF_INET, kind)) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A port of this process's own hundred, so that benches in several processes do not meet."""
+    for port in _ports:
+        with contextlib.closing(socket.socket(socket.AF_INET, kind)) as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
+    return None
+
+
+def be_firm(process, priority):
+    """Real-time priority for what stands for a machine or a cable of its own, if allowed."""
+    with contextlib.suppress(PermissionError):
+        os.sched_setscheduler(process, os.SCHED_FIFO, os.sched_param(priority))
 
 
 def wait_for(condition, timeout, what):
@@ -27,7 +40,7 @@ def wait_for(condition, timeout, what):
     while time.monotonic() < deadline:
         if condition():
             return
-        time.sleep(0.002)
+        time.sleep(0.005)
     raise AssertionError(f"not within {timeout} s: {what}")
 
 
@@ -72,22 +85,36 @@ class Process:
 
 
 class Motors:
-    """Events of the stand-in: (time, armed, failsafe, motor [us]) at each change."""
+    """Events of the stand-in: (time, armed, failsafe, motor [us]) at each change since the last forget()."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
+        self.file = None
+        self.rest = ""
+        self.known = []
 
     def events(self):
-        found = []
-        if self.path.exists():
-            for line in self.path.read_text().splitlines():
-                with contextlib.suppress(ValueError):
-                    found.append(json.loads(line))
-        return found
+        if self.file is None and self.path.exists():
+            self.file = open(self.path, encoding="ascii")
+        if self.file is not None:
+            *lines, self.rest = (self.rest + self.file.read()).split("\n")
+            self.known += [json.loads(line) for line in lines]
+        return self.known
+
+    def forget(self):
+        self.known = self.events()[-1:]
+
+    def close(self):
+        if self.file is not None:
+            self.file.close()
 
     def last(self):
         events = self.events()
         return events[-1] if events else {"t": 0, "armed": False, "failsafe": False, "motor": 0, "flags": 0}
+
+    def first_above(self, level, since):
+        """Time when the motors rose above `level` after `since`; None if never."""
+        return next((event["t"] for event in self.events() if event["t"] > since and event["motor"] > level), None)
 
     def first_at_or_below(self, level, since):
         """Time when the motors are at `level` or lower and `since` has passed; None if never."""
@@ -131,34 +158,40 @@ class Bench:
         self.events = os.path.join(self.home.name, "events")
         self.motors = Motors(self.events)
         self.statuses = []
+        self.sent = []  # publications of pulse commands
         self.processes = []
         self.bridge_options = list(bridge_options)
         self.protocol = protocol
         self.pulse_id = 0
         listen = ["--protocol", protocol if protocol in ("sbus", "crsf") else "msp", "--boot-grace", boot_grace,
                   "--motor-port", self.motor_port, "--events", self.events, *standin_options]
-        if line == "pty":
+        self.controller_port = free_port(socket.SOCK_STREAM)
+        if ":" in line:  # somebody else's end
+            self.line, self.controller = line, None
+        elif line == "pty":
             self.far = os.path.join(self.home.name, "line")
             listen += ["--pty", self.far]
             self.line = "serial:" + self.far
         else:
-            port = free_port(socket.SOCK_STREAM)
-            listen += ["--listen", f"127.0.0.1:{port}"]
-            self.controller_port = port
-            self.line = f"tcp:127.0.0.1:{port}"
-        self.controller = self.start("standin_flight_controller", listen)
-        with contextlib.suppress(PermissionError):  # the real one is a machine of its own
-            os.sched_setscheduler(self.controller.child.pid, os.SCHED_FIFO, os.sched_param(60))
-        wait_for(lambda: any("listening" in text or "pseudo" in text for text in self.controller.lines), 5, "stand-in starts")
+            listen += ["--listen", f"127.0.0.1:{self.controller_port}"]
+            self.line = f"tcp:127.0.0.1:{self.controller_port}"
+        if ":" not in line:
+            self.start_controller(listen)
         if through is not None:
             self.line = through(self)
         self.bridge = self.start_bridge()
         self.console = self.start_console()
 
+    def start_controller(self, arguments):
+        self.controller = self.start("standin_flight_controller", arguments)
+        be_firm(self.controller.child.pid, 60)
+        wait_for(lambda: any("listening" in text or "pseudo" in text for text in self.controller.lines), 5, "stand-in starts")
+
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
+        self.motors.close()
         for process in reversed(self.processes):
             process.kill()
         self.home.cleanup()
@@ -178,7 +211,8 @@ class Bench:
 
     def _status(self, line):
         with contextlib.suppress(ValueError):
-            self.statuses.append(json.loads(line))
+            said = json.loads(line)
+            (self.sent if "sent" in said else self.statuses).append(said)
 
     def status(self):
         return self.statuses[-1] if self.statuses else {"state": "none", "known": 0, "connected": 0, "armed": 0, "flags": -1}
@@ -187,6 +221,15 @@ class Bench:
         """The latest status, or an empty one if it is older than 0.2 s."""
         status = self.status()
         return status if status.get("t", 0) > time.monotonic() - 0.2 else {"state": "none"}
+
+    def armed(self):
+        """As bridge and stand-in say; a controller that the bridge cannot ask counts as armed after 0.2 s."""
+        if self.fresh().get("state") != "armed" or (self.controller and not self.motors.last()["armed"]):
+            return False
+        if "no-readback" in self.bridge_options:
+            time.sleep(0.25)
+            return True
+        return bool(self.fresh().get("armed"))
 
     def arm(self, timeout=10):
         """Arms; tries again while the controller is not ready, as an operator would."""
@@ -198,25 +241,20 @@ class Bench:
                 time.sleep(0.15)
             time.sleep(0.08)
             self.console.send("arm")
-            until = time.monotonic() + 0.7
-            while time.monotonic() < until:
-                if self.fresh().get("state") == "armed" and self.motors.last()["armed"]:
-                    if self.fresh().get("armed"):
-                        return
-                    if "no-readback" in self.bridge_options:
-                        time.sleep(0.25)  # the bridge takes a controller that it cannot ask for armed after 0.2 s
-                        return
-                time.sleep(0.005)
+            with contextlib.suppress(AssertionError):
+                return wait_for(self.armed, 0.7, "armed")
         raise NotBegun(f"not armed: {self.status()} {self.bridge.lines[-3:]}")
 
-    def pulse(self, throttle=1.0, duration=1.0, wait=True):
-        """@return time at which the motors rose"""
+    def pulse(self, throttle=1.0, duration=1.0, wait=True, pitch=None):
+        """@return time at which the motors rose, or of the command if not waited for"""
         self.pulse_id = max(self.pulse_id, self.status().get("pulse_id", 0)) + 1
+        self.motors.forget()
         sent = time.monotonic()
-        self.console.send(f"pulse {self.pulse_id} {throttle} {duration}")
-        if wait:
-            try:
-                wait_for(lambda: self.motors.last()["motor"] > IDLE, 1.0, f"motors rise: {self.status()}")
-            except AssertionError as error:
-                raise NotBegun(str(error)) from error
-        return sent
+        self.console.send(f"pulse {self.pulse_id} {throttle} {duration}" + ("" if pitch is None else f" {pitch}"))
+        if not wait:
+            return sent
+        try:
+            wait_for(lambda: self.motors.first_above(IDLE, sent) is not None, 1.0, f"motors rise: {self.status()}")
+        except AssertionError as error:
+            raise NotBegun(str(error)) from error
+        return self.motors.first_above(IDLE, sent)
