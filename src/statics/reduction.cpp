@@ -110,8 +110,10 @@ class Elimination {
 Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equations)
     : dofs_(dofs), controls_(controls) {
   Elimination elimination;
-  for (const Equation& equation : equations) {
-    if (!elimination.add(equation)) redundant_.push_back(equation.name);
+  for (std::size_t n = 0; n < equations.size(); ++n) {
+    if (elimination.add(equations[n])) continue;
+    redundant_.push_back(equations[n].name);
+    redundant_numbers_.push_back(static_cast<int>(n));
   }
   std::vector<int> free_of_dof(dofs, -1);
   for (int dof = 0; dof < dofs; ++dof) {

@@ -31,9 +31,13 @@ struct Evaluation {
   Eigen::VectorXd displacements;  ///< of solids [m]
 };
 
+class TiedProblem;
+
 class Problem {
  public:
   virtual ~Problem() = default;
+  /// Itself, if some constraints are kept as equations; else null.
+  virtual const TiedProblem* tied() const { return nullptr; }
   virtual int freeCount() const = 0;
   virtual int controlCount() const = 0;
   virtual const SparsePattern& pattern() const = 0;

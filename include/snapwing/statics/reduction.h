@@ -16,6 +16,7 @@ struct Equation {
   std::vector<std::pair<int, double>> control;  ///< (control, coefficient)
   double constant = 0;                          ///< [m]
   std::string name;                             ///< support, port or joint that asks for it, for messages
+  bool tie = false;                             ///< port or joint: may be kept as an equation
 };
 
 class Reduction {
@@ -28,6 +29,7 @@ class Reduction {
   int controlCount() const { return controls_; }
   /// Equations that followed from others.
   const std::vector<std::string>& redundant() const { return redundant_; }
+  const std::vector<int>& redundantNumbers() const { return redundant_numbers_; }  ///< in the list given
 
   Eigen::VectorXd expand(const Eigen::VectorXd& z, const Eigen::VectorXd& p) const;
   /// Directions: without the constants.
@@ -48,6 +50,7 @@ class Reduction {
   std::vector<std::vector<std::pair<int, double>>> control_;  ///< per slave
   std::vector<double> constant_;                              ///< per slave
   std::vector<std::string> redundant_;
+  std::vector<int> redundant_numbers_;
 };
 
 }  // namespace snapwing::statics
