@@ -25,6 +25,8 @@ std::string statusName(SolveStatus status) {
       return "singular";
     case SolveStatus::CANCELLED:
       return "cancelled";
+    case SolveStatus::JUMPED:
+      return "jumped to another branch";
   }
   return "unknown";
 }

@@ -9,137 +9,178 @@
 
 namespace snapwing::statics {
 
-/// A converged point with its tangent along the path.
-struct PathFollower::Place {
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-  Eigen::VectorXd z;
-  Evaluation at;
-  Eigen::VectorXd slope;  ///< dz/dp
-  double stiffness = 0;
-  int negative_pivots = 0;
-};
+PathPoint describePoint(const Equilibrium& x, int iterations, bool keep_solution) {
+  PathPoint point;
+  point.control = x.p(0);
+  point.energy = x.at.elastic_energy;
+  point.force = x.force();
+  point.stiffness = x.stiffness;
+  point.negative_pivots = x.negative_pivots;
+  point.stable = x.negative_pivots == 0;
+  point.min_det_f = x.at.min_det_f;
+  point.iterations = iterations;
+  if (keep_solution) {
+    point.solution = x.z;
+    point.multipliers = x.multipliers;
+  }
+  return point;
+}
 
 PathFollower::PathFollower(const Problem& problem, PathSettings settings)
-    : problem_(problem), settings_(std::move(settings)), newton_(problem, settings_.newton) {
+    : problem_(problem), settings_(std::move(settings)), solver_(problem, settings_.newton) {
   if (problem.controlCount() != 1) throw common::Error("a path needs a problem with exactly one control");
   if (!(settings_.smallest_step > 0 && settings_.smallest_step <= 1)) {
     throw common::Error("smallest_step is " + std::to_string(settings_.smallest_step) + "; allowed: (0, 1]");
   }
 }
 
-/// Stability and tangent at a converged point: dz/dp = -H^-1 d2Pi/dzdp, stiffness by the Schur complement.
-void PathFollower::settle(Place& place) {
-  Eigen::VectorXd free_part, control_part;
-  problem_.controlTangent(place.at, Eigen::VectorXd::Ones(1), free_part, control_part);
-  Cholesky& cholesky = newton_.cholesky();
-  place.negative_pivots = 0;
-  if (!cholesky.factorize(place.at.hessian)) place.negative_pivots = cholesky.factorizeIndefinite(place.at.hessian);
-  place.slope = Eigen::VectorXd::Zero(place.z.size());
-  if (place.negative_pivots >= 0) {
-    const Eigen::VectorXd slope = -cholesky.solve(free_part);
-    if (slope.allFinite()) place.slope = slope;
+/// The work done on the control must be in the energy of the new point, to the order of a step: corrected trapezium of
+/// the force. What is missing was released by a snap to another branch.
+bool PathFollower::jumped(const Equilibrium& next) const {
+  const double dp = next.p(0) - place_.p(0);
+  const double work =
+      0.5 * dp * (place_.force() + next.force()) + dp * dp / 12 * (place_.stiffness - next.stiffness);
+  const double size = std::max({std::abs(place_.force()), std::abs(next.force()), std::abs(place_.stiffness * dp)});
+  const double rounding = 1e-9 * (std::abs(place_.at.energy) + std::abs(next.at.energy));
+  return std::abs(next.at.energy - place_.at.energy - work) > 0.05 * std::abs(dp) * size + rounding;
+}
+
+/// Pivots changed their sign between place_ and next: finds out where and why, and leaves the branch if that is wanted.
+/// @param onward  where to go on from
+void PathFollower::passSingular(const Equilibrium& next, Equilibrium& onward) {
+  SingularPoint found;
+  std::string why;
+  if (!locateSingular(solver_, place_, next, found, why)) {
+    result_.account.push_back("a change of stability was not located: " + why);
+    return;
   }
-  place.stiffness = control_part(0) + free_part.dot(place.slope);
+  if (found.kind == SingularKind::BIFURCATION && settings_.perturbation != 0 && found.before == 0) {
+    Equilibrium other;
+    const NewtonResult result = switchBranch(solver_, found, settings_.perturbation, other);
+    result_.iterations += result.iterations;
+    result_.factorizations += result.factorizations;
+    found.followed = result.converged();
+    if (found.followed) {
+      onward = other;
+    } else {
+      result_.account.push_back("the branch along the critical mode was not met: " + result.message);
+    }
+  }
+  result_.singular.push_back(std::move(found));
 }
 
-/// Bodies that can move freely leave a Hessian whose smallest pivot is rounding.
-bool PathFollower::supported(const Place& place, NewtonResult& last) {
-  if (place.negative_pivots >= 0 && newton_.cholesky().reciprocalCondition() > 1e-15) return true;
-  last.status = SolveStatus::SINGULAR;
-  last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
-  return false;
-}
-
-PathPoint PathFollower::describe(const Place& place, int iterations) const {
-  PathPoint point;
-  point.control = place.p(0);
-  point.energy = place.at.elastic_energy;
-  point.force = place.at.control_force(0);
-  point.stiffness = place.stiffness;
-  point.negative_pivots = place.negative_pivots;
-  point.stable = place.negative_pivots == 0;
-  point.min_det_f = place.at.min_det_f;
-  point.iterations = iterations;
-  if (settings_.keep_solutions) point.solution = place.z;
-  return point;
-}
-
-bool PathFollower::stepTo(double target, Place& place, PathResult& result, NewtonResult& last) {
-  const double whole = target - place.p(0);
+bool PathFollower::stepTo(double target, NewtonResult& last) {
+  const double begin = place_.p(0), whole = target - begin;
   double share = 1, done = 0;
-  const double begin = place.p(0);
   while (done < 1) {
     share = std::min(share, 1 - done);
-    Eigen::VectorXd p(1);
-    p(0) = done + share >= 1 ? target : begin + (done + share) * whole;
-    Eigen::VectorXd z = place.z + (p(0) - place.p(0)) * place.slope;
-    Evaluation at;
-    last = newton_.solve(p, z, at);
-    result.iterations += last.iterations;
-    result.factorizations += last.factorizations;
-    result.projections += last.projections;
+    const double p = done + share >= 1 ? target : begin + (done + share) * whole;
+    Equilibrium next = solver_.predict(place_, p);
+    // An unstable branch is no minimum: there only Newton as it is stays on it.
+    last = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
+    result_.iterations += last.iterations;
+    result_.factorizations += last.factorizations;
+    result_.projections += last.projections;
     if (last.converged()) {
-      place.p = p;
-      place.z = std::move(z);
-      std::swap(place.at, at);
-      settle(place);
-      ++result.factorizations;
-      done += share;
-      share *= 2;
+      result_.factorizations += solver_.settle(next);
+      if (settings_.refuse_jumps && jumped(next)) {
+        last.status = SolveStatus::JUMPED;
+        std::ostringstream text;
+        text << "the nearest equilibrium found at " << p << " lies across a jump that releases energy";
+        last.message = text.str();
+      }
+    }
+    if (last.converged()) {
+      Equilibrium onward;
+      const bool changed = next.negative_pivots >= 0 && next.negative_pivots != place_.negative_pivots;
+      if (changed && settings_.locate_singular) passSingular(next, onward);
+      const bool left = onward.z.size() > 0;
+      place_ = left ? std::move(onward) : std::move(next);
+      done = whole != 0 ? (place_.p(0) - begin) / whole : 1;
+      if (!left && p == target) done = 1;
+      share *= left ? 1 : 2;
       continue;
     }
     if (last.status == SolveStatus::CANCELLED) return false;
-    ++result.halvings;
+    ++result_.halvings;
     share *= 0.5;
     if (share < settings_.smallest_step) return false;
   }
   return true;
 }
 
+/// @return false if the caller wants to stop
+bool PathFollower::record(int point, int iterations) {
+  result_.points.push_back(describePoint(place_, iterations, settings_.keep_solutions));
+  if (settings_.recorded) settings_.recorded(result_.points.back());
+  if (!settings_.progress || !settings_.progress(point)) return true;
+  result_.status = SolveStatus::CANCELLED;
+  result_.message = "cancelled";
+  return false;
+}
+
+void PathFollower::stopped(double target, const NewtonResult& last) {
+  std::ostringstream text;
+  text << "stopped at " << place_.p(0) << " on the way to " << target << ": " << statusName(last.status) << "; "
+       << last.message;
+  if (result_.halvings > 0) text << "; steps were halved " << result_.halvings << " times";
+  result_.status = last.status;
+  result_.message = text.str();
+}
+
+bool PathFollower::begin(const Eigen::VectorXd& start, double control, NewtonResult& last) {
+  place_ = solver_.start(start, control);
+  last = solver_.minimise(place_);
+  result_.iterations += last.iterations;
+  result_.factorizations += last.factorizations + 1;
+  if (!last.converged()) return false;
+  solver_.settle(place_);
+  // Bodies that can move freely leave a Hessian whose smallest pivot is rounding.
+  if (place_.negative_pivots >= 0 && solver_.reciprocalCondition() > 1e-15) return true;
+  last.status = SolveStatus::SINGULAR;
+  last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
+  return false;
+}
+
+void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last) {
+  for (std::size_t k = first; k < targets.size(); ++k) {
+    const int before = result_.iterations;
+    if (!stepTo(targets[k], last)) return stopped(targets[k], last);
+    if (!record(static_cast<int>(k), result_.iterations - before)) return;
+  }
+}
+
+PathResult PathFollower::finish(double begin) {
+  result_.seconds = secondsNow() - begin;
+  result_.seconds_assembly = solver_.secondsAssembly();
+  result_.seconds_factor = solver_.cholesky().secondsFactor();
+  result_.seconds_solve = solver_.cholesky().secondsSolve();
+  result_.seconds_analysis = solver_.cholesky().secondsAnalysis();
+  return std::move(result_);
+}
+
 PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<double>& targets) {
   if (targets.empty()) throw common::Error("a path needs at least one target");
-  PathResult result;
-  const double begin = secondsNow();
-  Place place;
-  place.p(0) = targets[0];
-  place.z = start;
+  result_ = {};
+  const double now = secondsNow();
   NewtonResult last;
-  result.status = SolveStatus::CONVERGED;
-  for (std::size_t k = 0; k < targets.size(); ++k) {
-    const int before = result.iterations;
-    bool good = false;
-    if (k == 0) {
-      last = newton_.solve(place.p, place.z, place.at);
-      result.iterations += last.iterations;
-      result.factorizations += last.factorizations + 1;
-      if ((good = last.converged())) {
-        settle(place);
-        good = supported(place, last);
-      }
-    } else {
-      good = stepTo(targets[k], place, result, last);
-    }
-    if (!good) {
-      std::ostringstream text;
-      text << "stopped at " << place.p(0) << " on the way to " << targets[k] << ": " << statusName(last.status) << "; "
-           << last.message;
-      result.status = last.status;
-      result.message = text.str();
-      break;
-    }
-    result.points.push_back(describe(place, result.iterations - before));
-    if (settings_.progress && settings_.progress(static_cast<int>(k))) {
-      result.status = SolveStatus::CANCELLED;
-      result.message = "cancelled";
-      break;
-    }
+  result_.status = SolveStatus::CONVERGED;
+  if (!begin(start, targets[0], last)) {
+    stopped(targets[0], last);
+  } else if (record(0, result_.iterations)) {
+    followTargets(targets, 1, last);
   }
-  result.seconds = secondsNow() - begin;
-  result.seconds_assembly = newton_.secondsAssembly();
-  result.seconds_factor = newton_.cholesky().secondsFactor();
-  result.seconds_solve = newton_.cholesky().secondsSolve();
-  result.seconds_analysis = newton_.cholesky().secondsAnalysis();
-  return result;
+  return finish(now);
+}
+
+PathResult PathFollower::followFrom(const Equilibrium& start, const std::vector<double>& targets) {
+  result_ = {};
+  const double now = secondsNow();
+  NewtonResult last;
+  result_.status = SolveStatus::CONVERGED;
+  place_ = start;
+  followTargets(targets, 0, last);
+  return finish(now);
 }
 
 }  // namespace snapwing::statics

@@ -20,6 +20,7 @@ enum class SolveStatus {
   LINE_SEARCH_FAILED,  ///< no step along the direction lowers the potential
   SINGULAR,            ///< even the projected Hessian has no factor: something is not supported
   CANCELLED,
+  JUMPED,  ///< the equilibrium that was found lies on another branch
 };
 std::string statusName(SolveStatus status);
 
@@ -59,6 +60,9 @@ class Newton {
   /// On success `at` holds the evaluation of order TANGENT at z.
   NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at);
 
+  /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none does
+  bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
+
   Cholesky& cholesky() { return cholesky_; }
   double secondsAssembly() const { return seconds_assembly_; }
 
@@ -66,7 +70,6 @@ class Newton {
   void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at);
   bool direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
                  NewtonResult& result);
-  bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
   double tolerance(const Evaluation& at) const;
 
   const Problem& problem_;

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/statics/newton.h"
+#include "snapwing/statics/equilibrium.h"
+#include "snapwing/statics/singular.h"
 
 namespace snapwing::statics {
 
@@ -15,6 +16,13 @@ struct PathSettings {
   bool keep_solutions = true;   ///< store z of every point
   /// Called after each wanted point with its number; returns true to stop.
   std::function<bool(int point)> progress;
+  /// Told every point that is recorded.
+  std::function<void(const struct PathPoint& point)> recorded;
+  /// A step that releases energy (snaps to another branch) counts as failed.
+  bool refuse_jumps = false;
+  bool locate_singular = true;  ///< where the number of negative pivots changes
+  /// Leaves the primary branch at bifurcations, by this largest motion along the mode [m]; 0: stays on it.
+  double perturbation = 0;
 };
 
 struct PathPoint {
@@ -26,16 +34,23 @@ struct PathPoint {
   int negative_pivots = 0;  ///< of the free Hessian; -1 unknown
   double min_det_f = 1;
   int iterations = 0;        ///< with those of intermediate steps
+  bool by_arc = false;       ///< found by arc length, not at a wanted control
   Eigen::VectorXd solution;  ///< z
+  Eigen::VectorXd multipliers;
 };
 
 struct PathResult {
   SolveStatus status = SolveStatus::NOT_SOLVED;
   std::string message;            ///< on failure: where and why
   std::vector<PathPoint> points;  ///< those that were reached
+  std::vector<SingularPoint> singular;
+  std::vector<std::string> account;  ///< what was tried where, beside plain steps
   int iterations = 0, factorizations = 0, projections = 0, halvings = 0;
   double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;
 };
+
+/// What a path or an arc reports of a settled point.
+PathPoint describePoint(const Equilibrium& x, int iterations, bool keep_solution);
 
 /// Steps from point to point with a tangent predictor; a step that fails is halved.
 class PathFollower {
@@ -46,17 +61,28 @@ class PathFollower {
   /// @param start     free coordinates near equilibrium at targets[0]
   /// @param targets   control values in the order of the path, at least one
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
+  /// Goes on from a settled point, which is not recorded again.
+  PathResult followFrom(const Equilibrium& start, const std::vector<double>& targets);
+
+  EquilibriumSolver& solver() { return solver_; }
+  /// Where the last path ended.
+  const Equilibrium& place() const { return place_; }
 
  private:
-  struct Place;
-  bool stepTo(double target, Place& place, PathResult& result, NewtonResult& last);
-  void settle(Place& place);
-  bool supported(const Place& place, NewtonResult& last);
-  PathPoint describe(const Place& place, int iterations) const;
+  bool begin(const Eigen::VectorXd& start, double control, NewtonResult& last);
+  void followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last);
+  bool record(int point, int iterations);
+  void stopped(double target, const NewtonResult& last);
+  bool stepTo(double target, NewtonResult& last);
+  bool jumped(const Equilibrium& next) const;
+  void passSingular(const Equilibrium& next, Equilibrium& onward);
+  PathResult finish(double begin);
 
   const Problem& problem_;
   PathSettings settings_;
-  Newton newton_;
+  EquilibriumSolver solver_;
+  Equilibrium place_;
+  PathResult result_;
 };
 
 }  // namespace snapwing::statics

@@ -1,0 +1,52 @@
+#pragma once
+/// Singular points of a branch: where a pivot of the Hessian changes its sign between two converged points.
+///
+/// With phi the mode that loses its stiffness and f = d2Pi/dz dp the load: at a limit point phi . f != 0, the branch runs
+/// along phi and the control turns; at a bifurcation phi . f = 0 and another branch leaves along phi.
+
+#include <string>
+#include <vector>
+
+#include "snapwing/statics/equilibrium.h"
+
+namespace snapwing::statics {
+
+/// The straight line between two points of a branch; planes across it cut the branch at shares s in [0, 1].
+class Chord {
+ public:
+  Chord(const Equilibrium& a, const Equilibrium& b);
+  BranchPlane plane(double s) const;
+  Equilibrium guess(double s) const;
+  /// d(control)/ds and d(force)/ds of the branch at a settled point.
+  double controlRate(const Equilibrium& x) const;
+  double forceRate(const Equilibrium& x) const;
+
+ private:
+  const Equilibrium &a_, &b_;
+  Eigen::VectorXd normal_;
+};
+
+enum class SingularKind { LIMIT_POINT, BIFURCATION };
+
+struct SingularPoint {
+  SingularKind kind = SingularKind::LIMIT_POINT;
+  Equilibrium point;       ///< as close as rounding allows
+  Eigen::VectorXd mode;    ///< phi, largest entry 1
+  double load_share = 0;   ///< |phi . f| / (|phi| |f|)
+  double along_mode = 0;   ///< cosine between the branch and phi: 1 at a limit point, 0 at a bifurcation
+  double eigenvalue = 0;   ///< what is left of the lowest one [N/m]
+  double accuracy = 0;     ///< width of the last bracket in the control
+  int before = 0, after = 0;  ///< negative pivots on both sides
+  bool followed = false;      ///< the path went on along phi
+};
+
+/// @param a, b  settled points of one branch with different numbers of negative pivots
+/// @return false if the corrector lost the branch; `why` then says where
+bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equilibrium& b, SingularPoint& found,
+                    std::string& why);
+
+/// A point of the branch that leaves a bifurcation along its mode.
+/// @param amount  largest entry of the motion away from the primary branch [m], of either sign
+NewtonResult switchBranch(EquilibriumSolver& solver, const SingularPoint& from, double amount, Equilibrium& found);
+
+}  // namespace snapwing::statics

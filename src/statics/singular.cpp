@@ -1,0 +1,121 @@
+#include "snapwing/statics/singular.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace snapwing::statics {
+
+Chord::Chord(const Equilibrium& a, const Equilibrium& b) : a_(a), b_(b), normal_(b.z - a.z) {
+  normal_ /= std::max(normal_.squaredNorm(), 1e-300);
+}
+
+BranchPlane Chord::plane(double s) const {
+  BranchPlane plane;
+  plane.origin = a_.z;
+  plane.normal = normal_;
+  plane.control = a_.p(0);
+  plane.distance = s;
+  return plane;
+}
+
+Equilibrium Chord::guess(double s) const {
+  Equilibrium x;
+  x.p = a_.p + s * (b_.p - a_.p);
+  x.z = a_.z + s * (b_.z - a_.z);
+  x.multipliers = a_.multipliers + s * (b_.multipliers - a_.multipliers);
+  return x;
+}
+
+double Chord::controlRate(const Equilibrium& x) const { return 1 / normal_.dot(x.slope); }
+
+/// Finite at limit points as well, where stiffness and slope are not.
+double Chord::forceRate(const Equilibrium& x) const { return x.stiffness / normal_.dot(x.slope); }
+
+namespace {
+
+/// One end of the bracket: share of the chord, point, lowest eigenvalue and its mode.
+struct End {
+  double s = 0, eigenvalue = 0;
+  Equilibrium x;
+  Eigen::VectorXd mode;
+};
+
+End makeEnd(EquilibriumSolver& solver, double s, Equilibrium x) {
+  End end;
+  end.s = s;
+  end.x = std::move(x);
+  solver.settle(end.x);
+  end.eigenvalue = solver.softestMode(end.x, end.mode);
+  return end;
+}
+
+/// Secant where both ends see the same mode change its sign, else the middle.
+double nextShare(const End& low, const End& high) {
+  const bool same = std::abs(low.mode.dot(high.mode)) > 0.9 && low.eigenvalue * high.eigenvalue < 0;
+  double share = 0.5;
+  if (same) share = low.eigenvalue / (low.eigenvalue - high.eigenvalue);
+  return low.s + std::min(0.98, std::max(0.02, share)) * (high.s - low.s);
+}
+
+void classify(const Chord& chord, const End& low, const End& high, SingularPoint& found) {
+  const End& near = std::abs(low.eigenvalue) < std::abs(high.eigenvalue) ? low : high;
+  found.point = near.x;
+  found.eigenvalue = near.eigenvalue;
+  const double load = near.x.load.norm(), slope = near.x.slope.norm();
+  found.load_share = load > 0 ? std::abs(near.mode.dot(near.x.load)) / load : 0;
+  found.along_mode = slope > 0 ? std::abs(near.mode.dot(near.x.slope)) / slope : 0;
+  // Where the branch runs along the mode the control stands still: it turns unless both rates agree in sign.
+  const bool turns = chord.controlRate(low.x) * chord.controlRate(high.x) < 0;
+  found.kind = turns || found.along_mode > 0.9 ? SingularKind::LIMIT_POINT : SingularKind::BIFURCATION;
+  Eigen::Index largest = 0;
+  near.mode.cwiseAbs().maxCoeff(&largest);
+  found.mode = near.mode / near.mode(largest);
+  found.accuracy = std::abs(high.x.p(0) - low.x.p(0));
+}
+
+}  // namespace
+
+bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equilibrium& b, SingularPoint& found,
+                    std::string& why) {
+  constexpr int MOST = 60;
+  constexpr double NARROW = 1e-9, SOFT = 1e-9;
+  const Chord chord(a, b);
+  End low = makeEnd(solver, 0, a), high = makeEnd(solver, 1, b);
+  found.before = low.x.negative_pivots;
+  found.after = high.x.negative_pivots;
+  const double stiff = std::max(std::abs(low.eigenvalue), std::abs(high.eigenvalue));
+  for (int k = 0; k < MOST && high.s - low.s > NARROW; ++k) {
+    if (std::min(std::abs(low.eigenvalue), std::abs(high.eigenvalue)) < SOFT * stiff) break;
+    // Every third step halves, so that one slow end cannot hold up the bracket.
+    const double s = k % 3 == 2 ? 0.5 * (low.s + high.s) : nextShare(low, high);
+    Equilibrium x = chord.guess(s);
+    const NewtonResult result = solver.correctOn(chord.plane(s), x);
+    // Rounding hides the sign of a pivot very near the point itself.
+    if (result.status == SolveStatus::SINGULAR && high.s - low.s < 1e-3) break;
+    if (!result.converged()) {
+      std::ostringstream text;
+      text << "the corrector lost the branch between controls " << low.x.p(0) << " and " << high.x.p(0) << ": "
+           << result.message;
+      why = text.str();
+      return false;
+    }
+    End end = makeEnd(solver, s, std::move(x));
+    (end.x.negative_pivots == found.before ? low : high) = std::move(end);
+  }
+  classify(chord, low, high, found);
+  return true;
+}
+
+NewtonResult switchBranch(EquilibriumSolver& solver, const SingularPoint& from, double amount, Equilibrium& found) {
+  BranchPlane plane;
+  plane.origin = from.point.z;
+  plane.normal = from.mode / from.mode.squaredNorm();
+  plane.control = from.point.p(0);
+  plane.distance = amount;
+  found = from.point;
+  found.z += amount * from.mode;
+  return solver.correctOn(plane, found);
+}
+
+}  // namespace snapwing::statics
