@@ -144,8 +144,8 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
   return dz.allFinite() && dl.allFinite();
 }
 
-/// With closed ties a step keeps them closed, and the energy decides on its length as without ties. Open ties are closed
-/// first, by the longest step that turns nothing inside out.
+/// With closed ties a step keeps them closed, and the energy decides on its length as without ties. Open ties are
+/// closed first, by the longest step that turns nothing inside out.
 bool EquilibriumSolver::saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x) {
   tied_->setMultipliers(x.multipliers);
   if (gap(x).cwiseAbs().maxCoeff() <= tied_->gapTolerance()) {
@@ -207,8 +207,8 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
     evaluate(x, Order::TANGENT, x.at);
     if (!x.at.finite) return inverted(problem(), x.at, result);
     result.residual = x.at.residual.norm();
-    const double gap_on_plane = plane.distance - plane.normal.dot(x.z - plane.origin) -
-                                plane.control_normal * (x.p(0) - plane.control);
+    const double gap_on_plane =
+        plane.distance - plane.normal.dot(x.z - plane.origin) - plane.control_normal * (x.p(0) - plane.control);
     result.factorizations += settle(x);
     if (x.negative_pivots < 0) {
       return finish(result, SolveStatus::SINGULAR, "the Hessian is singular to rounding");

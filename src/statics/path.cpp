@@ -38,8 +38,7 @@ PathFollower::PathFollower(const Problem& problem, PathSettings settings)
 /// the force. What is missing was released by a snap to another branch.
 bool PathFollower::jumped(const Equilibrium& next) const {
   const double dp = next.p(0) - place_.p(0);
-  const double work =
-      0.5 * dp * (place_.force() + next.force()) + dp * dp / 12 * (place_.stiffness - next.stiffness);
+  const double work = 0.5 * dp * (place_.force() + next.force()) + dp * dp / 12 * (place_.stiffness - next.stiffness);
   const double size = std::max({std::abs(place_.force()), std::abs(next.force()), std::abs(place_.stiffness * dp)});
   const double rounding = 1e-9 * (std::abs(place_.at.energy) + std::abs(next.at.energy));
   return std::abs(next.at.energy - place_.at.energy - work) > 0.05 * std::abs(dp) * size + rounding;

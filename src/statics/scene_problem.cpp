@@ -1,6 +1,7 @@
 #include "snapwing/statics/scene_problem.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -8,6 +9,7 @@
 
 #include "scene_cells.h"
 #include "snapwing/common/error.h"
+#include "snapwing/statics/tied_problem.h"
 
 namespace snapwing::statics {
 
@@ -43,9 +45,16 @@ class Constraints {
         hold(mid, list);
       }
     }
+    std::size_t held = list.size();
+    const auto markTies = [&] {
+      for (; held < list.size(); ++held) list[held].tie = true;
+    };
     for (const ScenePort& port : scene_.ports) drive(port, list);
+    markTies();
     for (const ScenePin& pin : scene_.pins) addPin(pin, list);
+    held = list.size();
     for (const SceneJoint& joint : scene_.joints) addJoint(joint, list);
+    markTies();
     return list;
   }
 
@@ -303,12 +312,25 @@ class CompiledSceneOf : public CompiledScene {
     }
     loads /= multiplicity_;
     if (symmetry_.empty()) symmetry_ = "none";
-    Reduction reduction(cells.solid()->dofCount(), 1, constraints.equations(half));
-    problem_ =
-        std::make_unique<SolidProblem<D>>(cells.solid(), std::move(reduction), std::move(loads), threads, forceFloor());
+    const std::vector<Equation> equations = constraints.equations(half);
+    const int dofs = cells.solid()->dofCount();
+    std::vector<Equation> eliminated = equations;
+    if (scene.drive != Drive::ELIMINATION) {
+      const auto tie = [](const Equation& e) { return e.tie; };
+      eliminated.erase(std::remove_if(eliminated.begin(), eliminated.end(), tie), eliminated.end());
+    }
+    problem_ = std::make_shared<SolidProblem<D>>(cells.solid(), Reduction(dofs, 1, eliminated), std::move(loads),
+                                                 threads, forceFloor());
+    if (scene.drive == Drive::ELIMINATION) return;
+    constexpr double PENALTY = 100, GAP = 1e-10;  // of the mean stiffness of a node, of a cell
+    tied_ = std::make_unique<TiedProblem>(problem_, makeTies(dofs, 1, equations, problem_->reduction()), scene.drive,
+                                          PENALTY, GAP * scene.cell_size);
   }
 
-  const Problem& problem() const override { return *problem_; }
+  const Problem& problem() const override {
+    if (tied_) return *tied_;
+    return *problem_;
+  }
   double multiplicity() const override { return multiplicity_; }
   const std::string& symmetry() const override { return symmetry_; }
   int cellCount() const override { return problem_->solid().cellCount(); }
@@ -369,7 +391,8 @@ class CompiledSceneOf : public CompiledScene {
   Scene scene_;
   double multiplicity_ = 1, dropped_ = 0;
   std::string symmetry_;
-  std::unique_ptr<SolidProblem<D>> problem_;
+  std::shared_ptr<SolidProblem<D>> problem_;
+  std::unique_ptr<TiedProblem> tied_;  ///< if ports and joints are kept as equations
 };
 
 /// Cells with their corners moved; corners are shared within a body.

@@ -18,7 +18,7 @@ struct ArcSettings {
   double end = 0;             ///< stops there, once the control passes it in the direction of the start
   double turn_back = -1e300;  ///< stops as well if the control falls below (in that direction)
   bool locate_singular = true;
-  double perturbation = 0;  ///< as in PathSettings
+  double perturbation = 0;                                  ///< as in PathSettings
   std::function<bool(int point, double control)> progress;  ///< true stops
   std::function<void(const PathPoint& point)> recorded;
 };

@@ -63,8 +63,8 @@ class EquilibriumSolver {
   int tieCount() const { return tied_ ? tied_->ties().count() : 0; }
   /// The undeformed start at a control.
   Equilibrium start(const Eigen::VectorXd& z, double p) const;
-  /// Minimises: ends at stable equilibria, however far, unless symmetry keeps it from it. `x` holds the first guess, and
-  /// where it stopped on failure.
+  /// Minimises: ends at stable equilibria, however far, unless symmetry keeps it from it. `x` holds the first guess,
+  /// and where it stopped on failure.
   NewtonResult minimise(Equilibrium& x);
   /// Newton without line search at fixed control: the equilibrium nearby, stable or not.
   NewtonResult correct(Equilibrium& x);

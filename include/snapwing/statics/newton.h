@@ -60,7 +60,8 @@ class Newton {
   /// On success `at` holds the evaluation of order TANGENT at z.
   NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at);
 
-  /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none does
+  /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none
+  /// does
   bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
 
   Cholesky& cholesky() { return cholesky_; }

@@ -10,6 +10,7 @@
 #include "snapwing/elasticity/material.h"
 #include "snapwing/mpm/density_field.h"
 #include "snapwing/mpm/shape.h"
+#include "snapwing/statics/drive.h"
 
 namespace snapwing::statics {
 
@@ -104,6 +105,8 @@ struct Scene {
   double to = 0;                  ///< the path leads from 0 to here
   int steps = 0;
   bool back = false;
+  Drive drive = Drive::ELIMINATION;
+  double perturbation = 0;  ///< [m] largest motion along the critical mode by which a bifurcation is left; 0: stay
 };
 
 /// True if the file holds a scene (has the key `scene`), false for anything else that is YAML.

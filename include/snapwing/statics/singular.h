@@ -1,8 +1,8 @@
 #pragma once
 /// Singular points of a branch: where a pivot of the Hessian changes its sign between two converged points.
 ///
-/// With phi the mode that loses its stiffness and f = d2Pi/dz dp the load: at a limit point phi . f != 0, the branch runs
-/// along phi and the control turns; at a bifurcation phi . f = 0 and another branch leaves along phi.
+/// With phi the mode that loses its stiffness and f = d2Pi/dz dp the load: at a limit point phi . f != 0, the branch
+/// runs along phi and the control turns; at a bifurcation phi . f = 0 and another branch leaves along phi.
 
 #include <string>
 #include <vector>
@@ -30,12 +30,12 @@ enum class SingularKind { LIMIT_POINT, BIFURCATION };
 
 struct SingularPoint {
   SingularKind kind = SingularKind::LIMIT_POINT;
-  Equilibrium point;       ///< as close as rounding allows
-  Eigen::VectorXd mode;    ///< phi, largest entry 1
-  double load_share = 0;   ///< |phi . f| / (|phi| |f|)
-  double along_mode = 0;   ///< cosine between the branch and phi: 1 at a limit point, 0 at a bifurcation
-  double eigenvalue = 0;   ///< what is left of the lowest one [N/m]
-  double accuracy = 0;     ///< width of the last bracket in the control
+  Equilibrium point;          ///< as close as rounding allows
+  Eigen::VectorXd mode;       ///< phi, largest entry 1
+  double load_share = 0;      ///< |phi . f| / (|phi| |f|)
+  double along_mode = 0;      ///< cosine between the branch and phi: 1 at a limit point, 0 at a bifurcation
+  double eigenvalue = 0;      ///< what is left of the lowest one [N/m]
+  double accuracy = 0;        ///< width of the last bracket in the control
   int before = 0, after = 0;  ///< negative pivots on both sides
   bool followed = false;      ///< the path went on along phi
 };

@@ -10,19 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/statics/drive.h"
 #include "snapwing/statics/problem.h"
 
 namespace snapwing::statics {
-
-/// How driven ports and joints are imposed.
-enum class Drive {
-  ELIMINATION,           ///< exactly, by eliminating unknowns
-  AUGMENTED_LAGRANGIAN,  ///< inner minimisation at fixed multipliers, outer updates lambda += rho g
-  MULTIPLIERS,           ///< Newton on the saddle point, by the Schur complement of the ties
-};
-/// As scene files and the command line write it. @throws common::Error
-Drive driveFromName(const std::string& name);
-std::string driveName(Drive drive);
 
 struct Ties {
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows;  ///< C, (ties x free coordinates)
@@ -68,8 +59,8 @@ class TiedProblem : public Problem {
     Ties ties;
     Drive drive;
     double rho = 0, gap_tolerance = 0;
-    SparsePattern pattern;                             ///< of H + rho C^T C
-    std::vector<int> place;                            ///< of each entry of H in it
+    SparsePattern pattern;                              ///< of H + rho C^T C
+    std::vector<int> place;                             ///< of each entry of H in it
     std::vector<std::pair<int, double>> penalty_terms;  ///< entries of C^T C
   };
   void buildPattern(Shared& shared) const;

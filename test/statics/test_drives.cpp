@@ -1,0 +1,138 @@
+// Ports and joints three ways: elimination, augmented Lagrangian, multipliers. All must give the same curve, and the
+// reaction must be the derivative of the energy by the travel.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "jointed_truss.h"
+#include "snapwing/statics/scene_curve.h"
+#include "support/derivative_check.h"
+
+namespace snapwing::statics {
+namespace {
+
+const std::string SCENES = std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/";
+
+struct Case {
+  const char* name;
+  int dimension;
+  bool joint;
+  double near, far;  ///< [m] travel in the first and in the second basin
+};
+
+Scene sceneOf(const Case& c) {
+  if (c.joint) return testing_scenes::jointedTruss(c.dimension, c.dimension == 2 ? "quadratic" : "linear_reduced", 1.0);
+  Scene scene = loadScene(SCENES + (c.dimension == 2 ? "snap_beam.yaml" : "arm_volumetric.yaml"));
+  scene.cell_size = c.dimension == 2 ? 8e-4 : 5e-3;
+  return scene;
+}
+
+PathResult trace(const CompiledScene& compiled, double to, int steps) {
+  PathSettings settings;
+  settings.newton.relative_tolerance = 1e-12;
+  std::vector<double> targets;
+  for (int k = 0; k <= steps; ++k) targets.push_back(to * k / steps);
+  return PathFollower(compiled.problem(), settings)
+      .follow(Eigen::VectorXd::Zero(compiled.problem().freeCount()), targets);
+}
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class Drives : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
+  const Case& c = GetParam();
+  Scene scene = sceneOf(c);
+  std::vector<PathResult> paths;
+  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
+    scene.drive = drive;
+    const auto compiled = compileScene(scene, 1);
+    EXPECT_EQ(compiled->problem().tied() != nullptr, drive != Drive::ELIMINATION);
+    paths.push_back(trace(*compiled, c.far, 20));
+    ASSERT_EQ(paths.back().status, SolveStatus::CONVERGED) << driveName(drive) << ": " << paths.back().message;
+  }
+  double largest = 0;
+  bool second_basin = false;
+  for (const PathPoint& p : paths[0].points) {
+    largest = std::max(largest, std::abs(p.force));
+    second_basin = second_basin || p.force < 0;
+  }
+  EXPECT_TRUE(second_basin) << "the path does not reach the second basin";
+  for (const std::size_t other : {1u, 2u}) {
+    for (std::size_t k = 0; k < paths[0].points.size(); ++k) {
+      const PathPoint &a = paths[0].points[k], &b = paths[other].points[k];
+      // Ties close to 1e-10 of a cell, and residuals to 1e-12 of the cells' forces.
+      EXPECT_NEAR(a.force, b.force, 1e-7 * largest) << "at " << a.control;
+      EXPECT_NEAR(a.stiffness, b.stiffness, 1e-6 * std::abs(paths[0].points[0].stiffness)) << "at " << a.control;
+      EXPECT_NEAR(a.energy, b.energy, 1e-8 * largest * c.far) << "at " << a.control;
+      EXPECT_EQ(a.negative_pivots, b.negative_pivots) << "at " << a.control;
+    }
+  }
+}
+
+TEST_P(Drives, TheReactionIsTheSlopeOfTheEnergy) {
+  const Case& c = GetParam();
+  Scene scene = sceneOf(c);
+  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
+    scene.drive = drive;
+    const auto compiled = compileScene(scene, 1);
+    NewtonSettings newton;
+    newton.relative_tolerance = 1e-13;
+    EquilibriumSolver solver(compiled->problem(), newton);
+    for (const double travel : {c.near, c.far}) {
+      const PathResult path = trace(*compiled, travel, 20);
+      ASSERT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
+      Equilibrium x = solver.start(path.points.back().solution, travel);
+      x.multipliers = path.points.back().multipliers;
+      ASSERT_TRUE(solver.minimise(x).converged());
+      solver.settle(x);
+      const auto energy = [&](double h) {
+        Equilibrium moved = solver.predict(x, travel + h);
+        const NewtonResult result = solver.minimise(moved);
+        EXPECT_TRUE(result.converged()) << result.message;
+        return Eigen::VectorXd::Constant(1, moved.at.elastic_energy);
+      };
+      EXPECT_TRUE(
+          snapwing::test::derivativeMatches(energy, Eigen::VectorXd::Constant(1, x.force()), 0.2 * c.near, 1e-6))
+          << driveName(drive) << " at " << travel;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Drives,
+                         ::testing::Values(Case{"beam", 2, false, 1e-3, 17e-3},
+                                           Case{"solid_arm", 3, false, 5e-3, 50e-3},
+                                           Case{"truss", 2, true, 1e-3, 8.5e-3},
+                                           Case{"solid_truss", 3, true, 1e-3, 8.5e-3}),
+                         [](const auto& instance) { return instance.param.name; });
+
+/// A joint whose bodies are driven by the same rigid plate says nothing new, whatever way it is imposed.
+TEST(Ties, AJointAtADrivenPortIsDropped) {
+  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
+    Scene scene = testing_scenes::jointedTruss(2, "linear", 1.0);
+    ScenePort other = scene.ports[0];
+    other.body = 1;
+    other.region.low(0) = other.region.high(0) = -1e-3;
+    scene.ports.push_back(other);
+    scene.ports[0].region.low(0) = scene.ports[0].region.high(0) = -1e-3;
+    scene.joints[0].x = -1e-3;
+    scene.drive = drive;
+    scene.to = 2e-3;
+    scene.steps = 4;
+    const auto compiled = compileScene(scene, 1);
+    const PathResult path = trace(*compiled, scene.to, 4);
+    ASSERT_EQ(path.status, SolveStatus::CONVERGED) << driveName(drive) << ": " << path.message;
+    static double first = path.points.back().force;
+    EXPECT_NEAR(path.points.back().force, first, 1e-8 * std::abs(first)) << driveName(drive);
+  }
+}
+
+TEST(Ties, DriveNamesAreReadBack) {
+  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
+    EXPECT_EQ(driveFromName(driveName(drive)), drive);
+  }
+  EXPECT_ANY_THROW(driveFromName("glue"));
+}
+
+}  // namespace
+}  // namespace snapwing::statics
