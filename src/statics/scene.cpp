@@ -292,8 +292,8 @@ void readNumerics(SettingsReader& r, Scene& scene, const Reading& in) {
   scene.cell_size = in.positive(r, "cell_size");
   scene.particles = r.integerOr("particles", scene.dimension == 2 ? 4 : 3, 1, 16);
   scene.smallest_fraction = r.numberOr("smallest_fraction", 0.02, {0, 0.9}, "1");
-  scene.drive = driveFromName(
-      r.has("drive") ? r.choice("drive", {"elimination", "augmented_lagrangian", "multipliers"}) : "elimination");
+  scene.drive = driveFromName(r.has("drive") ? r.choice("drive", {"elimination", "augmented_lagrangian", "multipliers"})
+                                             : "elimination");
   scene.use_symmetry = r.booleanOr("use_symmetry", true);
   scene.interpolation.void_stiffness = r.numberOr("void_stiffness", 1e-6, {1e-12, 0.1}, "1");
 }
