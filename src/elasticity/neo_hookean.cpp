@@ -43,8 +43,8 @@ namespace {
 
 /// x - ln(1 + x) and (e^2t - 1)/2 - t without cancellation: energies stay exact at small strain, where a line search
 /// compares them.
-double beyondLog(double x) {
-  if (std::abs(x) > 0.01) return x - std::log1p(x);
+double beyondLog(double x, double log1p_x) {
+  if (std::abs(x) > 0.01) return x - log1p_x;
   double sum = 0;
   for (int n = 10; n >= 2; --n) sum = (n % 2 == 0 ? 1.0 : -1.0) / n + x * sum;
   return x * x * sum;
@@ -71,11 +71,11 @@ typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
   // Monotone and convex in t: Newton from the linear guess ends within a few rounds.
   double t = -lambda_ * z / (2 * mu_ + lambda_);
   for (int i = 0; i < 60; ++i) {
-    const double value = mu_ * std::expm1(2 * t) + lambda_ * (z + t);
-    const double slope = 2 * mu_ * std::exp(2 * t) + lambda_;
-    const double step = value / slope;
+    const double grown = std::expm1(2 * t);
+    const double step = (mu_ * grown + lambda_ * (z + t)) / (2 * mu_ * (grown + 1) + lambda_);
     t -= step;
-    if (std::abs(step) < 1e-15 * (1e-300 + std::abs(t))) break;
+    // The error after a step is the square of the one before.
+    if (std::abs(step) < 1e-8 * (1e-300 + std::abs(t))) break;
   }
   const double squared = std::exp(2 * t), sum = z + t;
   return {mu_ * beyondExp(t) + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
@@ -89,9 +89,10 @@ bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
   out.det_f = 1 + change;
   if (!(out.det_f > 0)) return false;
   const Matrix<D> q = f.inverse().transpose();
-  const Volumetric v = volumetric(std::log1p(change));
+  const double log_j = std::log1p(change);
+  const Volumetric v = volumetric(log_j);
   // mu/2 (|F|^2 - D) - mu ln J, with the first orders cancelled by hand.
-  out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (beyondLog(change) - minors) + v.g;
+  out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (beyondLog(change, log_j) - minors) + v.g;
   out.stress = mu_ * f + v.slope * q;
   out.compact = true;
   out.tangent.a = mu_;
@@ -149,19 +150,24 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f) const {
 }
 
 template <int D>
-bool NeoHookean<D>::evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const {
-  const DensityInterpolation::Value m = interpolation_.at(density);
+bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& m, Order order,
+                                     Response<D>& out) const {
   const Matrix<D> h = f - Matrix<D>::Identity();
   const Matrix<D> mixed = Matrix<D>::Identity() + m.mix * h;
-  if (!hyperelastic(mixed, out)) return false;
+  if (m.mix == 0) {
+    out = Response<D>();  // void: linear alone
+  } else if (!hyperelastic(mixed, out)) {
+    return false;
+  }
   const double rest = 1 - m.mix * m.mix;
-  out.energy = m.stiffness * (out.energy + rest * linearEnergy(h));
+  out.energy = m.stiffness * (out.energy + (rest > 0 ? rest * linearEnergy(h) : 0.0));
   if (order == Order::ENERGY) return true;
-  out.stress = m.stiffness * (m.mix * out.stress + rest * linearStress(h));
+  out.stress *= m.stiffness * m.mix;
+  if (rest > 0) out.stress += m.stiffness * rest * linearStress(h);
   if (order == Order::STRESS) return true;
   CompactTangent<D>& t = out.tangent;
   const double scale = m.stiffness * m.mix * m.mix;
-  t.a *= scale;
+  t.a = scale * mu_;
   t.b *= scale;
   t.c *= scale;
   t.a0 = t.c0 = m.stiffness * rest * mu_;

@@ -8,13 +8,19 @@ namespace snapwing::mpm {
 
 using elasticity::Order;
 
-/// Cell Hessian as [a][i D + k][b], b <= a contiguous, which is what the compiler turns into SIMD code.
+/// Cell Hessian as [a][i D + k][b], b <= a in rows of whole vectors, which is what the compiler turns into SIMD code.
+/// What is beyond b = a is never read.
 template <int D>
 struct Discretisation<D>::Scratch {
+  explicit Scratch(int stencil)
+      : matrix(static_cast<std::size_t>(stencil) * D * D * paddedStencil(stencil)),
+        force(stencil * D),
+        rows(D * paddedStencil(stencil)),
+        turned(D * paddedStencil(stencil)) {}
   std::vector<double> matrix;
-  std::vector<double> force;       ///< [a][i]
-  std::vector<double> slope_rows;  ///< grad N_a, by component
-  std::vector<double> turned;      ///< Q grad N_a, by component
+  std::vector<double> force;   ///< [a][i]
+  std::vector<double> rows;    ///< grad N_a, by component
+  std::vector<double> turned;  ///< Q grad N_a, by component
 };
 
 template <int D>
@@ -27,41 +33,60 @@ struct Discretisation<D>::CellResult {
 
 namespace {
 
-// Wider vectors where the machine has them. Only AVX2 without fused multiply-add: the bits stay the same everywhere.
+// Wider vectors where the machine has them. Multiply and add are never fused (-ffp-contract=off): the bits stay the
+// same everywhere.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define SNAPWING_WIDE __attribute__((target_clones("avx2", "default")))
+#define SNAPWING_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define SNAPWING_WIDE
 #endif
 
-/// K_ab(i,k) += w [(a+a0) d_ik Ga.Gb + b qa_i qb_k + c qb_i qa_k + b0 Ga_i Gb_k + c0 Gb_i Ga_k]
+/// Entries of a row that whole vectors of four make of b <= a.
+template <int S>
+constexpr int entries(int a) {
+  return (a / 4 + 1) * 4 < paddedStencil(S) ? (a / 4 + 1) * 4 : paddedStencil(S);
+}
+
+/// K_ab(i,k) += c qb_i qa_k, and b qa_i qb_k if there is such a part
 template <int D, int S>
-SNAPWING_WIDE void addCompact(const elasticity::CompactTangent<D>& t, double w, const double* g, const double* q,
-                              double* matrix) {
-  const double diagonal = w * (t.a + t.a0), b = w * t.b, c = w * t.c, b0 = w * t.b0, c0 = w * t.c0;
-  const bool linear = t.a0 != 0 || t.b0 != 0;
+SNAPWING_WIDE void addTurned(double b, double c, const double* __restrict q, double* __restrict matrix) {
+  constexpr int ROW = paddedStencil(S);
   for (int a = 0; a < S; ++a) {
-    double* rows = matrix + static_cast<std::size_t>(a) * D * D * S;
-    double dot[S];
-    for (int n = 0; n < S; ++n) dot[n] = 0;
-    for (int j = 0; j < D; ++j) {
-      const double ga = diagonal * g[j * S + a];
-      for (int n = 0; n <= a; ++n) dot[n] += ga * g[j * S + n];
-    }
+    const int count = entries<S>(a);
+    double* rows = matrix + a * D * D * ROW;
     for (int i = 0; i < D; ++i) {
       for (int k = 0; k < D; ++k) {
-        double* row = rows + (i * D + k) * S;
-        const double bq = b * q[i * S + a], cq = c * q[k * S + a];
-        const double* qk = q + k * S;
-        const double* qi = q + i * S;
-        for (int n = 0; n <= a; ++n) row[n] += bq * qk[n] + cq * qi[n];
+        double* row = rows + (i * D + k) * ROW;
+        const double* qi = q + i * ROW;
+        const double* qk = q + k * ROW;
+        const double cq = c * q[k * ROW + a], bq = b * q[i * ROW + a];
+        if (b == 0) {
+          for (int n = 0; n < count; ++n) row[n] += cq * qi[n];
+        } else {
+          for (int n = 0; n < count; ++n) row[n] += bq * qk[n] + cq * qi[n];
+        }
+      }
+    }
+  }
+}
+
+/// K_ab(i,k) += diagonal d_ik L_ab, and b0 T_ab(i,k) + c0 T_ab(k,i) if there is such a part
+template <int D, int S>
+SNAPWING_WIDE void addTables(double diagonal, double b0, double c0, const double* __restrict laplace,
+                             const double* __restrict outer, double* __restrict matrix) {
+  constexpr int ROW = paddedStencil(S);
+  for (int a = 0; a < S; ++a) {
+    const int count = entries<S>(a);
+    for (int i = 0; i < D; ++i) {
+      for (int k = 0; k < D; ++k) {
+        double* row = matrix + ((a * D + i) * D + k) * ROW;
         if (i == k) {
-          for (int n = 0; n <= a; ++n) row[n] += dot[n];
+          for (int n = 0; n < count; ++n) row[n] += diagonal * laplace[a * ROW + n];
         }
-        if (linear) {
-          const double bg = b0 * g[i * S + a], cg = c0 * g[k * S + a];
-          for (int n = 0; n <= a; ++n) row[n] += bg * g[k * S + n] + cg * g[i * S + n];
-        }
+        if (b0 == 0 && c0 == 0) continue;
+        const double* same = outer + ((a * D + i) * D + k) * ROW;
+        const double* swapped = outer + ((a * D + k) * D + i) * ROW;
+        for (int n = 0; n < count; ++n) row[n] += b0 * same[n] + c0 * swapped[n];
       }
     }
   }
@@ -69,17 +94,31 @@ SNAPWING_WIDE void addCompact(const elasticity::CompactTangent<D>& t, double w, 
 
 template <int D, int S>
 void addFull(const elasticity::FullTangent<D>& t, double w, const double* g, double* matrix) {
+  constexpr int ROW = paddedStencil(S);
   for (int a = 0; a < S; ++a) {
     for (int i = 0; i < D; ++i) {
       for (int k = 0; k < D; ++k) {
-        double* row = matrix + (static_cast<std::size_t>(a) * D * D + i * D + k) * S;
+        double* row = matrix + ((a * D + i) * D + k) * ROW;
         for (int l = 0; l < D; ++l) {
           double factor = 0;
-          for (int j = 0; j < D; ++j) factor += g[j * S + a] * t(i + D * j, k + D * l);
+          for (int j = 0; j < D; ++j) factor += g[j * ROW + a] * t(i + D * j, k + D * l);
           factor *= w;
-          for (int n = 0; n <= a; ++n) row[n] += factor * g[l * S + n];
+          for (int n = 0; n <= a; ++n) row[n] += factor * g[l * ROW + n];
         }
       }
+    }
+  }
+}
+
+/// out = M g^T by components, g as columns: rows of the kernel's gradients, turned by M.
+template <int D, int S>
+void turn(const elasticity::Matrix<D>& m, const double* __restrict slope, double* __restrict out) {
+  constexpr int ROW = paddedStencil(S);
+  for (int a = 0; a < S; ++a) {
+    for (int i = 0; i < D; ++i) {
+      double value = 0;
+      for (int j = 0; j < D; ++j) value += m(i, j) * slope[D * a + j];
+      out[i * ROW + a] = value;
     }
   }
 }
@@ -99,13 +138,16 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
   Eigen::Matrix<double, D, S> force = Eigen::Matrix<double, D, S>::Zero();
   CellResult result;
   elasticity::Response<D> response;
-  for (const Term& term : kinds_[cell.kind]) {
-    const QuadratureRule<D>& rule = rules_[term.rule];
-    const Model& law = *models_[term.model];
+  const std::vector<Term>& terms = kinds_[cell.kind];
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const QuadratureRule<D>& rule = rules_[terms[t].rule];
+    const Model& law = *models_[terms[t].model];
+    const elasticity::DensityInterpolation::Value& state =
+        prepared_[static_cast<std::size_t>(number) * most_terms_ + t];
     for (int p = 0; p < rule.size(); ++p) {
       const Eigen::Map<const Eigen::Matrix<double, D, S>> slope(rule.slopeOf(p));
       const elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity() + moved * slope.transpose();
-      const bool good = law.evaluate(f, cell.density, order, response);
+      const bool good = law.evaluatePrepared(f, state, order, response);
       result.min_det_f = std::min(result.min_det_f, response.det_f);
       const double w = cell.measure * rule.weight[p];
       result.energy += w * response.energy;
@@ -116,14 +158,19 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
       if (order == Order::ENERGY) continue;
       force += w * response.stress * slope;
       if (!tangent) continue;
-      Eigen::Map<Eigen::Matrix<double, S, D>> rows(scratch.slope_rows.data()), turned(scratch.turned.data());
-      rows = slope.transpose();
-      if (response.compact) {
-        turned = slope.transpose() * response.tangent.q.transpose();
-        addCompact<D, S>(response.tangent, w, rows.data(), turned.data(), scratch.matrix.data());
-      } else {
-        addFull<D, S>(response.full, w, rows.data(), scratch.matrix.data());
+      if (!response.compact) {
+        turn<D, S>(elasticity::Matrix<D>::Identity(), rule.slopeOf(p), scratch.rows.data());
+        addFull<D, S>(response.full, w, scratch.rows.data(), scratch.matrix.data());
+      } else if (response.tangent.b != 0 || response.tangent.c != 0) {
+        turn<D, S>(response.tangent.q, rule.slopeOf(p), scratch.turned.data());
+        addTurned<D, S>(w * response.tangent.b, w * response.tangent.c, scratch.turned.data(), scratch.matrix.data());
       }
+    }
+    if (tangent && response.compact) {
+      const elasticity::CompactTangent<D>& last = response.tangent;
+      const RuleTable& table = tables_[terms[t].rule];
+      addTables<D, S>(cell.measure * (last.a + last.a0), cell.measure * last.b0, cell.measure * last.c0,
+                      table.laplace.data(), table.outer.data(), scratch.matrix.data());
     }
   }
   result.force_squared = force.squaredNorm();
@@ -141,11 +188,11 @@ void Discretisation<D>::scatter(int number, Order order, const Scratch& scratch,
   if (order == Order::STRESS) return;
   const int* pair = block_of_pair_.data() + static_cast<std::size_t>(number) * (S * (S + 1) / 2);
   for (int a = 0; a < S; ++a) {
-    const double* rows = scratch.matrix.data() + static_cast<std::size_t>(a) * D * D * S;
+    const double* rows = scratch.matrix.data() + static_cast<std::size_t>(a) * D * D * paddedStencil(S);
     for (int b = 0; b <= a; ++b, ++pair) {
       double* block = out.blocks.data() + static_cast<std::size_t>(*pair) * D * D;
       for (int i = 0; i < D; ++i) {
-        for (int k = 0; k < D; ++k) block[i + D * k] += rows[(i * D + k) * S + b];
+        for (int k = 0; k < D; ++k) block[i + D * k] += rows[(i * D + k) * paddedStencil(S) + b];
       }
     }
   }
@@ -157,11 +204,7 @@ void Discretisation<D>::assembleCells(const Eigen::VectorXd& u, Order order, int
   std::vector<CellResult> results(cells_.size());
 #pragma omp parallel num_threads(threads) if (threads > 1)
   {
-    Scratch scratch;
-    scratch.matrix.resize(static_cast<std::size_t>(S) * S * D * D);
-    scratch.force.resize(S * D);
-    scratch.slope_rows.resize(S * D);
-    scratch.turned.resize(S * D);
+    Scratch scratch(S);
     for (const std::vector<int>& colour : colours_) {
       const int count = static_cast<int>(colour.size());
 #pragma omp for schedule(static)

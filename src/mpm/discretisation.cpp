@@ -62,6 +62,53 @@ void Discretisation<D>::finish() {
     }
   }
   colourCells();
+  prepareCells();
+}
+
+/// What does not change with the displacements: the law's state per cell, and sums over the particles of each rule.
+template <int D>
+void Discretisation<D>::prepareCells() {
+  for (const std::vector<Term>& terms : kinds_) most_terms_ = std::max(most_terms_, static_cast<int>(terms.size()));
+  prepared_.resize(cells_.size() * most_terms_);
+  tables_.resize(rules_.size());
+  for (int c = 0; c < cellCount(); ++c) {
+    const std::vector<Term>& terms = kinds_[cells_[c].kind];
+    for (std::size_t t = 0; t < terms.size(); ++t) {
+      const auto value = models_[terms[t].model]->prepare(cells_[c].density);
+      prepared_[static_cast<std::size_t>(c) * most_terms_ + t] = value;
+      buildTable(terms[t].rule, value.mix < 1);
+    }
+  }
+}
+
+template <int D>
+void Discretisation<D>::buildTable(int number, bool outer) {
+  RuleTable& table = tables_[number];
+  const QuadratureRule<D>& rule = rules_[number];
+  const int s = stencil_, row = paddedStencil(stencil_);
+  const auto sum = [&](int a, int b, int i, int k) {
+    double total = 0;
+    for (int p = 0; p < rule.size(); ++p)
+      total += rule.weight[p] * rule.slopeOf(p)[D * a + i] * rule.slopeOf(p)[D * b + k];
+    return total;
+  };
+  if (table.laplace.empty()) {
+    table.laplace.assign(static_cast<std::size_t>(s) * row, 0.0);
+    for (int a = 0; a < s; ++a) {
+      for (int b = 0; b <= a; ++b) {
+        for (int i = 0; i < D; ++i) table.laplace[a * row + b] += sum(a, b, i, i);
+      }
+    }
+  }
+  if (!outer || !table.outer.empty()) return;
+  table.outer.assign(static_cast<std::size_t>(s) * D * D * row, 0.0);
+  for (int a = 0; a < s; ++a) {
+    for (int i = 0; i < D; ++i) {
+      for (int k = 0; k < D; ++k) {
+        for (int b = 0; b <= a; ++b) table.outer[((a * D + i) * D + k) * row + b] = sum(a, b, i, k);
+      }
+    }
+  }
 }
 
 /// Numbers nodes in grid order, so that a cell's nodes ascend and local pairs a >= b lie in the lower triangle.
@@ -110,6 +157,7 @@ void Discretisation<D>::setDensities(const std::vector<double>& densities) {
     }
     cells_[c].density = densities[c];
   }
+  prepareCells();
 }
 
 template <int D>

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "snapwing/elasticity/density_interpolation.h"
+
 namespace snapwing::elasticity {
 
 template <int D>
@@ -20,6 +22,7 @@ enum class Order {
 
 /// Isotropic tangents in the form that assembly is fast with:
 ///   dP = a dF + b (Q : dF) Q + c Q dF^T Q + a0 dF + b0 tr(dF) I + c0 dF^T,   Q = F^-T
+/// a, a0, b0 and c0 must depend on the density alone, not on F: a cell then adds them once for all of its particles.
 template <int D>
 struct CompactTangent {
   double a = 0, b = 0, c = 0;
@@ -46,10 +49,17 @@ template <int D>
 class ConstitutiveModel {
  public:
   virtual ~ConstitutiveModel() = default;
-  /// @param f        deformation gradient [1]
-  /// @param density  of the cell, in [0, 1]
+  /// What a density makes of the law: worked out once per cell, not once per particle.
+  virtual DensityInterpolation::Value prepare(double density) const = 0;
+  /// @param f     deformation gradient [1]
+  /// @param cell  of prepare()
   /// @return false if the energy is infinite there (turned inside out); `out` then holds only det_f
-  virtual bool evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const = 0;
+  virtual bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
+                                Response<D>& out) const = 0;
+  /// The same for a density in [0, 1].
+  bool evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const {
+    return evaluatePrepared(f, prepare(density), order, out);
+  }
   /// Explicit derivatives by the density at fixed F: dW/drho and dP/drho. Same return value as evaluate().
   virtual bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const = 0;
 };

@@ -29,7 +29,9 @@ class NeoHookean : public ConstitutiveModel<D> {
   NeoHookean(const Material& material, const DensityInterpolation& interpolation, Plane plane = Plane::STRAIN,
              Part part = Part::ALL);
 
-  bool evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const override;
+  DensityInterpolation::Value prepare(double density) const override { return interpolation_.at(density); }
+  bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
+                        Response<D>& out) const override;
   bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const override;
 
  private:

@@ -97,8 +97,15 @@ class Discretisation {
  private:
   struct Scratch;
   struct CellResult;
+  /// Sums over a rule's particles that do not depend on the displacements.
+  struct RuleTable {
+    std::vector<double> laplace;  ///< [a][b]: sum w Ga.Gb
+    std::vector<double> outer;    ///< [a][i D + k][b]: sum w Ga_i Gb_k; empty if no cell needs it
+  };
   void numberNodes();
   void colourCells();
+  void prepareCells();
+  void buildTable(int rule, bool outer);
   template <int S>
   void assembleCells(const Eigen::VectorXd& u, elasticity::Order order, int threads, Assembly& out) const;
   template <int S>
@@ -112,7 +119,10 @@ class Discretisation {
   std::vector<Grid<D>> grids_;
   std::vector<std::vector<int>> node_of_grid_;  ///< per body: grid node -> node or -1
   std::vector<std::vector<int>> cell_of_grid_;  ///< per body: grid cell -> cell or -1
+  std::vector<RuleTable> tables_;
   std::vector<Cell> cells_;
+  std::vector<elasticity::DensityInterpolation::Value> prepared_;  ///< cells x most_terms_
+  int most_terms_ = 1;
   std::vector<Index<D>> cell_at_;
   std::vector<int> cell_body_;
   std::vector<int> nodes_;  ///< cells x stencil

@@ -18,6 +18,9 @@ enum class Kernel { LINEAR, QUADRATIC };
 /// Nodes per axis that a cell's field depends on.
 inline int nodesPerAxis(Kernel kernel) { return kernel == Kernel::LINEAR ? 2 : 3; }
 
+/// Row length of a cell's tables: whole vectors of four.
+constexpr int paddedStencil(int stencil) { return (stencil + 3) / 4 * 4; }
+
 /// Values of a cell's basis functions along one axis, and derivatives by the cell coordinate.
 /// @param x  cell coordinate in [0, 1]
 void axisKernel(Kernel kernel, double x, std::array<double, 3>& value, std::array<double, 3>& slope);
