@@ -3,6 +3,7 @@
 #include <cholmod.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -46,10 +47,14 @@ class OneThread {
 
 }  // namespace
 
+/// Holds the matrix in the order of elimination: CHOLMOD would otherwise transpose it twice for each factor.
 struct Cholesky::Impl {
   cholmod_common common;
   cholmod_sparse matrix;
-  SparsePattern pattern;
+  SparsePattern pattern;   ///< permuted
+  std::vector<int> place;  ///< of each value of the caller's pattern
+  std::vector<int> order;  ///< caller's row of each permuted row
+  std::vector<double> permuted;
   cholmod_factor* factor = nullptr;
   cholmod_factor* indefinite = nullptr;
   cholmod_factor* active = nullptr;
@@ -63,8 +68,53 @@ struct Cholesky::Impl {
       throw common::Error("sparse analysis failed (CHOLMOD status " + std::to_string(common.status) + ")");
     return result;
   }
-  void setValues(const std::vector<double>& values) { matrix.x = const_cast<double*>(values.data()); }
+  void setPattern() {
+    std::memset(&matrix, 0, sizeof(matrix));
+    matrix.nrow = matrix.ncol = pattern.size;
+    matrix.nzmax = pattern.row.size();
+    matrix.p = pattern.start.data();
+    matrix.i = pattern.row.data();
+    matrix.x = permuted.data();
+    matrix.stype = -1;
+    matrix.itype = CHOLMOD_INT;
+    matrix.xtype = CHOLMOD_REAL;
+    matrix.dtype = CHOLMOD_DOUBLE;
+    matrix.sorted = 1;
+    matrix.packed = 1;
+  }
+  void setValues(const std::vector<double>& values) {
+    for (std::size_t k = 0; k < values.size(); ++k) permuted[place[k]] = values[k];
+  }
+  void permute();
 };
+
+/// Takes the fill-reducing order of the factor and makes it the matrix's own.
+void Cholesky::Impl::permute() {
+  const int n = pattern.size;
+  order.assign(static_cast<const int*>(factor->Perm), static_cast<const int*>(factor->Perm) + n);
+  std::vector<int> rank(n);
+  for (int k = 0; k < n; ++k) rank[order[k]] = k;
+  struct Entry {
+    int column, row, source;
+  };
+  std::vector<Entry> list;
+  list.reserve(pattern.row.size());
+  for (int c = 0; c < n; ++c) {
+    for (int k = pattern.start[c]; k < pattern.start[c + 1]; ++k) {
+      const int a = rank[c], b = rank[pattern.row[k]];
+      list.push_back({std::min(a, b), std::max(a, b), k});
+    }
+  }
+  std::sort(list.begin(), list.end(),
+            [](const Entry& a, const Entry& b) { return a.column != b.column ? a.column < b.column : a.row < b.row; });
+  std::fill(pattern.start.begin(), pattern.start.end(), 0);
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    ++pattern.start[list[k].column + 1];
+    pattern.row[k] = list[k].row;
+    place[list[k].source] = static_cast<int>(k);
+  }
+  for (int c = 0; c < n; ++c) pattern.start[c + 1] += pattern.start[c];
+}
 
 Cholesky::Cholesky(const SparsePattern& pattern) : impl_(std::make_unique<Impl>()) {
   const double begin = secondsNow();
@@ -78,21 +128,17 @@ Cholesky::Cholesky(const SparsePattern& pattern) : impl_(std::make_unique<Impl>(
   s.common.method[0].ordering = pattern.size > 300 ? CHOLMOD_METIS : CHOLMOD_AMD;
   s.common.postorder = 1;
   s.common.quick_return_if_not_posdef = 1;
-  cholmod_sparse& m = s.matrix;
-  std::memset(&m, 0, sizeof(m));
-  m.nrow = m.ncol = pattern.size;
-  m.nzmax = pattern.row.size();
-  m.p = s.pattern.start.data();
-  m.i = s.pattern.row.data();
-  m.stype = -1;
-  m.itype = CHOLMOD_INT;
-  m.xtype = CHOLMOD_REAL;
-  m.dtype = CHOLMOD_DOUBLE;
-  m.sorted = 1;
-  m.packed = 1;
-  std::vector<double> zeros(pattern.row.size(), 0.0);
-  s.setValues(zeros);
-  if (pattern.size > 0) s.factor = s.analyse(CHOLMOD_SUPERNODAL);
+  s.permuted.assign(pattern.row.size(), 0.0);
+  s.place.resize(pattern.row.size());
+  s.setPattern();
+  if (pattern.size > 0) {
+    s.factor = s.analyse(CHOLMOD_SIMPLICIAL);
+    s.permute();
+    cholmod_free_factor(&s.factor, &s.common);
+    s.common.method[0].ordering = CHOLMOD_NATURAL;
+    s.common.postorder = 0;
+    s.factor = s.analyse(CHOLMOD_SUPERNODAL);
+  }
   seconds_analysis_ = secondsNow() - begin;
 }
 
@@ -150,18 +196,26 @@ Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
   if (impl_->active == nullptr) throw common::Error("solve without a factor");
   const double begin = secondsNow();
   const OneThread one_thread;
+  const Impl& s = *impl_;
+  const int n = s.pattern.size;
+  Eigen::MatrixXd permuted(right.rows(), right.cols());
+  for (int c = 0; c < right.cols(); ++c) {
+    for (int k = 0; k < n; ++k) permuted(k, c) = right(s.order[k], c);
+  }
   cholmod_dense b;
   std::memset(&b, 0, sizeof(b));
   b.nrow = b.d = right.rows();
   b.ncol = right.cols();
   b.nzmax = right.size();
-  b.x = const_cast<double*>(right.data());
+  b.x = permuted.data();
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
-  const Impl& s = *impl_;
   cholmod_solve2(CHOLMOD_A, s.active, &b, nullptr, &s.solution, nullptr, &s.work_y, &s.work_e, &impl_->common);
-  const Eigen::MatrixXd result =
-      Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(s.solution->x), right.rows(), right.cols());
+  const auto* x = static_cast<const double*>(s.solution->x);
+  Eigen::MatrixXd result(right.rows(), right.cols());
+  for (int c = 0; c < right.cols(); ++c) {
+    for (int k = 0; k < n; ++k) result(s.order[k], c) = x[static_cast<std::size_t>(c) * n + k];
+  }
   seconds_solve_ += secondsNow() - begin;
   return result;
 }
