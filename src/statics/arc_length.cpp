@@ -10,6 +10,9 @@ namespace snapwing::statics {
 
 namespace {
 
+// Largest correction in steps, least cosine between steps; shorter steps than this share of the first are not judged.
+constexpr double FARTHEST_CORRECTION = 0.3, SHARPEST_TURN = 0.8, SHORT_ENOUGH = 1e-3;
+
 class ArcFollower {
  public:
   ArcFollower(EquilibriumSolver& solver, const ArcSettings& settings) : solver_(solver), settings_(settings) {}
@@ -24,7 +27,7 @@ class ArcFollower {
       count(result);
       if (!result.converged()) return finish(result.status, "the start is no equilibrium: " + result.message);
     }
-    w_ = 1 / std::max(x_.slope.squaredNorm(), 1e-300);
+    w_ = settings_.weight > 0 ? settings_.weight : 1 / std::max(x_.slope.squaredNorm(), 1e-300);
     setDirection(x_.slope, direction);
     last_t_p_ = t_p_;
     last_negative_ = x_.negative_pivots;
@@ -81,11 +84,22 @@ class ArcFollower {
     plane.distance = ds;
     Equilibrium next = solver_.predict(x_, x_.p(0) + ds * t_p_);
     next.z = x_.z + ds * t_z_;
+    const Eigen::VectorXd guess = next.z;
+    const double guess_p = next.p(0);
     NewtonResult result = solver_.correctOn(plane, next);
     count(result);
     if (!result.converged()) return result;
+    // A long way from the tangent is a step too long, or another branch.
+    const double off = std::sqrt(w_ * (next.z - guess).squaredNorm() + std::pow(next.p(0) - guess_p, 2));
+    const bool far = off > FARTHEST_CORRECTION * ds;
     if ((next.p(0) - settings_.end) * direction > 0) land(next);
     double along = w_ * t_z_.dot(next.slope) + t_p_;
+    const double turn = std::abs(along) / std::sqrt(w_ * next.slope.squaredNorm() + 1);
+    if ((far || turn < SHARPEST_TURN) && ds > SHORT_ENOUGH * settings_.first_step) {
+      result.status = SolveStatus::JUMPED;
+      result.message = "the branch turns too sharply for the step";
+      return result;
+    }
     passSingular(next, along);
     setDirection(x_.slope, along >= 0 ? 1 : -1);
     return result;

@@ -175,7 +175,11 @@ NewtonResult EquilibriumSolver::saddle(Equilibrium& x) {
   Eigen::VectorXd dz, dl;
   for (int iteration = 0;; ++iteration) {
     result.residual = x.at.residual.norm();
-    if (balanced(x)) return finish(result, SolveStatus::CONVERGED, "");
+    if (balanced(x)) {
+      // Steps update residual and forces for the multipliers; what leaves here does not depend on how it was reached.
+      evaluate(x, Order::TANGENT, x.at);
+      if (balanced(x)) return finish(result, SolveStatus::CONVERGED, "");
+    }
     if (iteration == settings_.max_iterations) return exhausted(result.residual, result);
     if (settings_.cancelled && settings_.cancelled()) return finish(result, SolveStatus::CANCELLED, "cancelled");
     if (!saddleDirection(x, result, dz, dl)) {
@@ -260,13 +264,13 @@ Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const 
   return x;
 }
 
-double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mode) const {
+double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations) const {
   const Eigen::VectorXd closed = Eigen::VectorXd::Zero(tieCount());
   mode.resize(x.z.size());
   for (int k = 0; k < mode.size(); ++k) mode(k) = std::sin(1.7 * k + 0.3);  // no symmetry of a body has this
   Eigen::VectorXd next, multipliers;
   double inverse = 0;
-  for (int iteration = 0; iteration < 50; ++iteration) {
+  for (int iteration = 0; iteration < iterations; ++iteration) {
     mode.normalize();
     system_.solve(mode, closed, next, multipliers);
     inverse = mode.dot(next);
@@ -276,6 +280,20 @@ double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mod
   }
   mode.normalize();
   return 1 / inverse;
+}
+
+bool EquilibriumSolver::supported(const Equilibrium& x) const {
+  constexpr double ROUNDING = 2e-15;
+  if (x.negative_pivots < 0) return false;
+  if (x.z.size() == 0) return true;
+  Eigen::VectorXd mode;
+  softestMode(x, mode, 4);
+  if (!mode.allFinite()) return false;
+  // The energy of the motion against the terms that cancel in it where nothing resists.
+  const SparsePattern& pattern = problem().pattern();
+  double terms = 0;
+  for (int c = 0; c < pattern.size; ++c) terms += std::abs(x.at.hessian[pattern.start[c]]) * mode(c) * mode(c);
+  return std::abs(mode.dot(pattern.multiply(x.at.hessian, mode))) > ROUNDING * terms;
 }
 
 }  // namespace snapwing::statics

@@ -134,8 +134,7 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, NewtonRes
   result_.factorizations += last.factorizations + 1;
   if (!last.converged()) return false;
   solver_.settle(place_);
-  // Bodies that can move freely leave a Hessian whose smallest pivot is rounding.
-  if (place_.negative_pivots >= 0 && solver_.reciprocalCondition() > 1e-15) return true;
+  if (solver_.supported(place_)) return true;
   last.status = SolveStatus::SINGULAR;
   last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
   return false;

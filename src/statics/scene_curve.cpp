@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "snapwing/common/error.h"
+
 namespace snapwing::statics {
 
 std::string SceneCurve::csv(const Scene& scene) const {
@@ -11,7 +13,7 @@ std::string SceneCurve::csv(const Scene& scene) const {
   text.precision(12);
   text << (scene.control_is_length ? "displacement_m,force_N,stiffness_N_per_m"
                                    : "load_factor,work_per_factor_J,slope_J")
-       << ",energy_J,stable,negative_pivots,min_det_f,iterations";
+       << ",energy_J,stable,negative_pivots,min_det_f,iterations,by_arc";
   for (const SceneMonitor& m : scene.monitors) text << "," << m.name << (m.radius > 0 ? "_rad" : "_m");
   if (!back.points.empty()) text << ",force_back_N";
   text << "\n";
@@ -19,13 +21,14 @@ std::string SceneCurve::csv(const Scene& scene) const {
     const PathPoint& p = path.points[k];
     text << p.control << "," << multiplicity * p.force << "," << multiplicity * p.stiffness << ","
          << multiplicity * p.energy << "," << (p.stable ? 1 : 0) << "," << p.negative_pivots << "," << p.min_det_f
-         << "," << p.iterations;
+         << "," << p.iterations << "," << (p.by_arc ? 1 : 0);
     for (const double value : monitors[k]) text << "," << value;
     if (!back.points.empty()) {
-      const std::size_t last = back.points.size();
-      const bool reached = path.points.size() - 1 - k < last;
+      const auto same = std::find_if(back.points.begin(), back.points.end(), [&](const PathPoint& other) {
+        return !other.by_arc && !p.by_arc && other.control == p.control;
+      });
       text << ",";
-      if (reached) text << multiplicity * back.points[path.points.size() - 1 - k].force;
+      if (same != back.points.end()) text << multiplicity * same->force;
     }
     text << "\n";
   }
@@ -34,7 +37,7 @@ std::string SceneCurve::csv(const Scene& scene) const {
 
 common::ForceTable SceneCurve::table() const {
   common::ForceTable t;
-  const bool down = !path.points.empty() && path.points.back().control < 0;
+  const bool down = !path.points.empty() && path.points.back().control < path.points.front().control;
   for (std::size_t n = 0; n < path.points.size(); ++n) {
     const PathPoint& p = path.points[down ? path.points.size() - 1 - n : n];
     t.travel.push_back(p.control);
@@ -53,46 +56,112 @@ common::ForceTable SceneCurve::table() const {
   return t;
 }
 
-SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, PathSettings settings,
-                      const std::function<bool(double, double)>& progress) {
-  std::vector<double> targets;
-  for (int k = 0; k <= scene.steps; ++k) targets.push_back(scene.to * k / scene.steps);
-  SceneCurve curve;
-  curve.multiplicity = compiled.multiplicity();
-  const double total = static_cast<double>(targets.size()) * (scene.back ? 2 : 1);
-  double before = 0;
-  const auto follow = [&](const Eigen::VectorXd& start, const std::vector<double>& goals) {
-    settings.progress = [&](int point) { return progress && progress((before + point + 1) / total, goals[point]); };
-    PathResult result = PathFollower(compiled.problem(), settings).follow(start, goals);
-    before += static_cast<double>(goals.size());
-    return result;
-  };
-  curve.path = follow(Eigen::VectorXd::Zero(compiled.problem().freeCount()), targets);
-  for (const PathPoint& p : curve.path.points) curve.monitors.push_back(compiled.monitors(p.solution, p.control));
-  if (scene.back && curve.path.status == SolveStatus::CONVERGED) {
-    std::reverse(targets.begin(), targets.end());
-    curve.back = follow(curve.path.points.back().solution, targets);
-  }
-  return curve;
-}
+namespace {
 
-SceneCurve traceSceneByArc(const Scene& scene, const CompiledScene& compiled, const NewtonSettings& newton,
-                           int max_points, const std::function<bool(double, double)>& progress) {
-  ArcSettings settings;
-  settings.newton = newton;
-  settings.first_step = std::abs(scene.to) / scene.steps;
-  settings.largest_step = settings.first_step;
-  settings.max_points = max_points;
-  settings.end = scene.to;
-  settings.progress = [&](int, double control) {
-    return progress && progress(std::min(0.99, control / scene.to), control);
-  };
+/// One or two runs along the scene's path, with what a resumed trace knows already.
+class SceneTracer {
+ public:
+  SceneTracer(const Scene& scene, const CompiledScene& compiled, const TraceSettings& settings,
+              const std::function<bool(double, double)>& progress)
+      : scene_(scene), problem_(compiled.problem()), settings_(settings), progress_(progress) {
+    for (int k = 0; k <= scene.steps; ++k) targets_.push_back(scene.to * k / scene.steps);
+    total_ = static_cast<double>(targets_.size()) * (twoRuns() ? 2 : 1);
+  }
+
+  /// @param out  forces and points are filled in as they come
+  void run(SceneCurve& out) {
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem_.freeCount());
+    const bool resumed = settings_.resume != nullptr;
+    out.path = one(rest, targets_, resumed ? &settings_.resume->path : nullptr, out.path, out);
+    if (!twoRuns() || out.path.status != SolveStatus::CONVERGED) return;
+    const std::vector<double> back(targets_.rbegin(), targets_.rend());
+    const bool second = resumed && !settings_.resume->back.points.empty();
+    out.back = one(out.path.points.back().solution, back, second ? &settings_.resume->back : nullptr, out.back, out);
+  }
+
+ private:
+  bool twoRuns() const { return scene_.back || settings_.reverse; }
+
+  PathResult one(const Eigen::VectorXd& start, const std::vector<double>& targets, const PathResult* known,
+                 PathResult& partial, const SceneCurve& sofar) {
+    partial = {};
+    if (known != nullptr) partial = *known;
+    while (!partial.points.empty() && partial.points.back().by_arc) partial.points.pop_back();
+    AutomaticSettings automatic = automaticSettings(partial, sofar);
+    if (settings_.method == TraceMethod::ARC_LENGTH) return byArc(start, targets, automatic);
+    if (partial.points.empty()) return followAutomatically(problem_, start, targets, automatic);
+    const PathResult before = partial;  // `partial` goes on growing
+    if (before.points.back().control == targets.back()) return before;
+    PathResult after = continueAutomatically(problem_, start, before.points.back(), targets, automatic);
+    return joined(before, std::move(after));
+  }
+
+  AutomaticSettings automaticSettings(PathResult& partial, const SceneCurve& sofar) {
+    AutomaticSettings automatic;
+    automatic.arc_on_failure = settings_.method != TraceMethod::DISPLACEMENT;
+    automatic.largest_arc = settings_.largest_arc;
+    automatic.path.newton = settings_.newton;
+    automatic.path.perturbation = settings_.perturbation != 0 ? settings_.perturbation : scene_.perturbation;
+    const auto outer = settings_.newton.cancelled;
+    automatic.path.newton.cancelled = [this, outer] { return cancelled_ || (outer && outer()); };
+    automatic.path.progress = [this](int) { return cancelled_; };
+    automatic.path.recorded = [&](const PathPoint& point) {
+      if (!point.by_arc) ++done_;
+      partial.points.push_back(point);
+      if (settings_.reached) settings_.reached(sofar);
+      if (progress_ && progress_(std::min(1.0, done_ / total_), point.control)) cancelled_ = true;
+    };
+    done_ += static_cast<double>(partial.points.size());
+    return automatic;
+  }
+
+  PathResult byArc(const Eigen::VectorXd& start, const std::vector<double>& targets,
+                   const AutomaticSettings& automatic) {
+    ArcSettings arc;
+    arc.newton = automatic.path.newton;
+    arc.first_step = arc.largest_step = std::abs(scene_.to) / scene_.steps;
+    arc.max_points = settings_.largest_arc;
+    arc.end = targets.back();
+    arc.perturbation = automatic.path.perturbation;
+    arc.recorded = automatic.path.recorded;
+    arc.progress = [this](int, double) { return cancelled_; };
+    return followArc(problem_, start, targets.front(), arc).path;
+  }
+
+  static PathResult joined(PathResult before, PathResult&& after) {
+    before.points.insert(before.points.end(), after.points.begin(), after.points.end());
+    after.points = std::move(before.points);
+    after.iterations += before.iterations;
+    after.factorizations += before.factorizations;
+    after.projections += before.projections;
+    after.halvings += before.halvings;
+    return std::move(after);
+  }
+
+  const Scene& scene_;
+  const Problem& problem_;
+  const TraceSettings& settings_;
+  const std::function<bool(double, double)>& progress_;
+  std::vector<double> targets_;
+  double total_ = 1, done_ = 0;
+  bool cancelled_ = false;
+};
+
+}  // namespace
+
+SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, const TraceSettings& settings,
+                      const std::function<bool(double, double)>& progress) {
+  if (settings.resume != nullptr && settings.method == TraceMethod::ARC_LENGTH)
+    throw common::Error("a path by arc length alone cannot be resumed; trace it automatically");
   SceneCurve curve;
   curve.multiplicity = compiled.multiplicity();
-  ArcResult arc = followArc(compiled.problem(), Eigen::VectorXd::Zero(compiled.problem().freeCount()), 0, settings);
-  curve.path = std::move(arc.path);
-  curve.limit_points = std::move(arc.limit_points);
-  curve.crossings = std::move(arc.crossings);
+  SceneTracer(scene, compiled, settings, progress).run(curve);
+  if (settings.reverse && curve.path.status == SolveStatus::CONVERGED) {
+    std::swap(curve.path, curve.back);
+    if (!scene.back) curve.back = {};
+  }
+  curve.limit_points = turningPoints(curve.path.points);
+  curve.crossings = stabilityChanges(curve.path.points);
   for (const PathPoint& p : curve.path.points) curve.monitors.push_back(compiled.monitors(p.solution, p.control));
   return curve;
 }

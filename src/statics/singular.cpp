@@ -58,16 +58,23 @@ double nextShare(const End& low, const End& high) {
   return low.s + std::min(0.98, std::max(0.02, share)) * (high.s - low.s);
 }
 
-void classify(const Chord& chord, const End& low, const End& high, SingularPoint& found) {
+/// At a limit point the control stands still. Judged a little aside: at a bifurcation itself rounding spoils the slope.
+double controlRateNear(EquilibriumSolver& solver, const Chord& chord, const Equilibrium& a, const Equilibrium& b,
+                       double s) {
+  constexpr double ASIDE = 1e-3;
+  s += s > 0.5 ? -ASIDE : ASIDE;
+  Equilibrium x = chord.guess(s);
+  if (!solver.correctOn(chord.plane(s), x).converged()) return 0;
+  const double around = std::max(std::abs(chord.controlRate(a)), std::abs(chord.controlRate(b)));
+  return around > 0 ? std::abs(chord.controlRate(x)) / around : 0;
+}
+
+void describe(const End& low, const End& high, SingularPoint& found) {
   const End& near = std::abs(low.eigenvalue) < std::abs(high.eigenvalue) ? low : high;
   found.point = near.x;
   found.eigenvalue = near.eigenvalue;
-  const double load = near.x.load.norm(), slope = near.x.slope.norm();
+  const double load = near.x.load.norm();
   found.load_share = load > 0 ? std::abs(near.mode.dot(near.x.load)) / load : 0;
-  found.along_mode = slope > 0 ? std::abs(near.mode.dot(near.x.slope)) / slope : 0;
-  // Where the branch runs along the mode the control stands still: it turns unless both rates agree in sign.
-  const bool turns = chord.controlRate(low.x) * chord.controlRate(high.x) < 0;
-  found.kind = turns || found.along_mode > 0.9 ? SingularKind::LIMIT_POINT : SingularKind::BIFURCATION;
   Eigen::Index largest = 0;
   near.mode.cwiseAbs().maxCoeff(&largest);
   found.mode = near.mode / near.mode(largest);
@@ -82,6 +89,7 @@ bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equil
   constexpr double NARROW = 1e-9, SOFT = 1e-9;
   const Chord chord(a, b);
   End low = makeEnd(solver, 0, a), high = makeEnd(solver, 1, b);
+  const Equilibrium first = low.x, last = high.x;
   found.before = low.x.negative_pivots;
   found.after = high.x.negative_pivots;
   const double stiff = std::max(std::abs(low.eigenvalue), std::abs(high.eigenvalue));
@@ -103,7 +111,9 @@ bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equil
     End end = makeEnd(solver, s, std::move(x));
     (end.x.negative_pivots == found.before ? low : high) = std::move(end);
   }
-  classify(chord, low, high, found);
+  describe(low, high, found);
+  found.control_rate = controlRateNear(solver, chord, first, last, 0.5 * (low.s + high.s));
+  found.kind = found.control_rate < 0.02 ? SingularKind::LIMIT_POINT : SingularKind::BIFURCATION;
   return true;
 }
 

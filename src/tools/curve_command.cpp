@@ -201,14 +201,13 @@ nlohmann::json summariseScene(const statics::Scene& scene, const statics::Compil
 int runScene(const CurveOptions& options) {
   const statics::Scene scene = readScene(options);
   const auto compiled = statics::compileScene(scene, options.threads);
-  statics::PathSettings settings;
+  statics::TraceSettings settings;
   settings.newton.cancelled = [] { return interrupted != 0; };
+  settings.method = options.arc_length ? statics::TraceMethod::ARC_LENGTH : statics::TraceMethod::AUTOMATIC;
   interrupted = 0;
   const auto previous = std::signal(SIGINT, onInterrupt);
   const auto progress = [&](double share, double control) { return showProgress(options, share, control); };
-  const statics::SceneCurve curve =
-      options.arc_length ? statics::traceSceneByArc(scene, *compiled, settings.newton, 20 * scene.steps, progress)
-                         : statics::traceScene(scene, *compiled, settings, progress);
+  const statics::SceneCurve curve = statics::traceScene(scene, *compiled, settings, progress);
   std::signal(SIGINT, previous);
   const nlohmann::json summary = summariseScene(scene, *compiled, curve);
   if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");

@@ -15,6 +15,7 @@ struct ArcSettings {
   double largest_step = 0;   ///< same; 0: ten times the first
   double smallest_step = 0;  ///< same; 0: 1e-6 of the first
   int max_points = 500;
+  double weight = 0;          ///< w; 0: from the tangent at the start
   double end = 0;             ///< stops there, once the control passes it in the direction of the start
   double turn_back = -1e300;  ///< stops as well if the control falls below (in that direction)
   bool locate_singular = true;

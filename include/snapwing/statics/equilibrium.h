@@ -75,9 +75,10 @@ class EquilibriumSolver {
   /// First guess at another control, from a settled point.
   Equilibrium predict(const Equilibrium& from, double p) const;
   /// Motion of the smallest Hessian's eigenvalue by magnitude (unit length), at a settled point, and that value [N/m].
-  double softestMode(const Equilibrium& x, Eigen::VectorXd& mode) const;
-  /// Rough reciprocal condition of the last factor.
-  double reciprocalCondition() const { return newton_.cholesky().reciprocalCondition(); }
+  /// @param iterations  of the inverse iteration, at most
+  double softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations = 50) const;
+  /// False if some motion costs nothing but rounding, at a settled point.
+  bool supported(const Equilibrium& x) const;
 
   double secondsAssembly() const { return seconds_assembly_ + newton_.secondsAssembly(); }
   const Cholesky& cholesky() const { return newton_.cholesky(); }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "snapwing/common/force_table.h"
-#include "snapwing/statics/arc_length.h"
+#include "snapwing/statics/automatic.h"
 #include "snapwing/statics/scene_problem.h"
 
 namespace snapwing::statics {
@@ -15,7 +15,9 @@ struct SceneCurve {
   PathResult back;                            ///< empty if not asked for
   std::vector<std::vector<double>> monitors;  ///< per point of `path`
   double multiplicity = 1;
-  std::vector<int> limit_points, crossings;  ///< by arc length only, see ArcResult
+  /// Numbers of points of `path` after which the control turned, and the number of negative pivots changed.
+  std::vector<int> limit_points, crossings;
+  bool monotone() const { return limit_points.empty(); }
 
   /// Curve of the whole (times the multiplicity) as CSV text with units in its header.
   std::string csv(const Scene& scene) const;
@@ -23,14 +25,28 @@ struct SceneCurve {
   common::ForceTable table() const;
 };
 
+enum class TraceMethod {
+  DISPLACEMENT,  ///< of the control, jumps to other branches included
+  AUTOMATIC,     ///< displacement control, arc length where it fails or jumps
+  ARC_LENGTH,    ///< all the way
+};
+
+struct TraceSettings {
+  NewtonSettings newton;
+  TraceMethod method = TraceMethod::DISPLACEMENT;
+  int largest_arc = 2000;   ///< points of one arc
+  double perturbation = 0;  ///< [m] as in PathSettings; 0: the scene's own
+  bool reverse = false;     ///< `path` leads from the far end to 0, `back` from 0 to the far end
+  /// Points that an interrupted run reached; what follows has the same bits as without the interruption.
+  const SceneCurve* resume = nullptr;
+  /// Told all that was reached after every point: for checkpoints.
+  std::function<void(const SceneCurve& sofar)> reached;
+};
+
 /// Follows the scene's path from 0, and back if it asks for that.
 /// @param progress  share done and control; true cancels
-SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, PathSettings settings,
+/// @throws common::Error if an arc is to be resumed: its direction is not kept
+SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, const TraceSettings& settings,
                       const std::function<bool(double, double)>& progress);
-
-/// Follows the same branch by its arc length: through snap-back, to the scene's end or `max_points`. The control need
-/// not grow from point to point.
-SceneCurve traceSceneByArc(const Scene& scene, const CompiledScene& compiled, const NewtonSettings& newton,
-                           int max_points, const std::function<bool(double, double)>& progress);
 
 }  // namespace snapwing::statics

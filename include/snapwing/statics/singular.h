@@ -33,7 +33,7 @@ struct SingularPoint {
   Equilibrium point;          ///< as close as rounding allows
   Eigen::VectorXd mode;       ///< phi, largest entry 1
   double load_share = 0;      ///< |phi . f| / (|phi| |f|)
-  double along_mode = 0;      ///< cosine between the branch and phi: 1 at a limit point, 0 at a bifurcation
+  double control_rate = 0;    ///< d(control) along the branch, share of that nearby: 0 at a limit point, about 1 else
   double eigenvalue = 0;      ///< what is left of the lowest one [N/m]
   double accuracy = 0;        ///< width of the last bracket in the control
   int before = 0, after = 0;  ///< negative pivots on both sides

@@ -1,0 +1,214 @@
+// Limit points, bifurcations, snap-back and exact features against closed forms and the exact elastica.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "jointed_truss.h"
+#include "snapwing/statics/features.h"
+#include "snapwing/statics/scene_curve.h"
+#include "truss.h"
+
+namespace snapwing::statics {
+namespace {
+
+using testing_scenes::LoadedTruss;
+using testing_scenes::Truss;
+
+std::vector<double> steps(double to, int count) {
+  std::vector<double> targets;
+  for (int k = 0; k <= count; ++k) targets.push_back(to * k / count);
+  return targets;
+}
+
+/// Slender clamped beam of facts: h/t = 6, h/l = .02, one material of nu = 0, so that the exact elastica holds.
+struct SlenderBeam {
+  static constexpr double RISE = 1.6e-3, SPAN = 80e-3, THICKNESS = RISE / 6;
+  /// Unit of force EI h/l^3 [N]
+  static double unit() { return 5.5e6 * 0.01 * std::pow(THICKNESS, 3) / 12 * RISE / std::pow(SPAN, 3); }
+  /// @param imperfection  second cosine, in rises
+  static Scene scene(SceneKernel kernel, int cells, double imperfection, double to, int count) {
+    Scene scene = loadScene(std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/snap_beam.yaml");
+    Box half;
+    half.low(0) = 0;
+    half.high(0) = 0.5 * SPAN;
+    scene.bodies[0].material = {5.5e6, 0, 0};
+    scene.bodies[0].shape = mpm::makeIntersection(
+        {mpm::makeCosineBeam(SPAN, {0.5 * RISE, 0.5 * imperfection * RISE}, THICKNESS), mpm::makeBox(half)});
+    scene.kernel = kernel;
+    scene.cell_size = THICKNESS / cells;
+    scene.to = to * RISE;
+    scene.steps = count;
+    return scene;
+  }
+};
+
+SceneCurve trace(const Scene& scene, TraceMethod method) {
+  TraceSettings settings;
+  settings.method = method;
+  return traceScene(scene, *compileScene(scene, 1), settings, {});
+}
+
+/// Exact elastica: the perfect beam bifurcates at 713.88 EI h/l^3, d/h = .2024, before its maximum of 892.87.
+TEST(Bifurcation, ThePerfectBeamBifurcatesBeforeItsMaximum) {
+  const SceneCurve curve = trace(SlenderBeam::scene(SceneKernel::QUADRATIC, 2, 0, 0.5, 10), TraceMethod::AUTOMATIC);
+  ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
+  ASSERT_EQ(curve.path.singular.size(), 1u);
+  const SingularPoint& s = curve.path.singular[0];
+  EXPECT_EQ(s.kind, SingularKind::BIFURCATION);
+  EXPECT_EQ(s.before, 0);
+  EXPECT_EQ(s.after, 1);
+  EXPECT_LT(s.load_share, 1e-6);  // the mode breaks the symmetry that the load has
+  EXPECT_GT(s.control_rate, 0.5);
+  EXPECT_NEAR(s.point.p(0) / SlenderBeam::RISE, 0.2024, 0.02 * 0.2024);
+  EXPECT_NEAR(curve.multiplicity * s.point.force() / SlenderBeam::unit(), 713.88, 0.02 * 713.88);
+  EXPECT_LT(s.accuracy, 1e-6 * SlenderBeam::RISE);
+  EXPECT_FALSE(s.followed);
+  // The unstable branch goes on to its maximum.
+  double largest = 0;
+  for (const PathPoint& p : curve.path.points) largest = std::max(largest, curve.multiplicity * p.force);
+  EXPECT_NEAR(largest / SlenderBeam::unit(), 892.87, 0.02 * 892.87);
+  EXPECT_EQ(curve.path.points.back().negative_pivots, 1);
+}
+
+/// Elastica with an imperfection of 1e-4 h: zero force at d/h = 1.3330, valley -336.09.
+TEST(Bifurcation, PerturbationFollowsTheStableBranch) {
+  Scene scene = SlenderBeam::scene(SceneKernel::QUADRATIC, 1, 0, 2, 20);
+  scene.perturbation = 1e-2 * SlenderBeam::RISE;
+  const SceneCurve curve = trace(scene, TraceMethod::AUTOMATIC);
+  ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
+  ASSERT_GE(curve.path.singular.size(), 1u);
+  EXPECT_TRUE(curve.path.singular[0].followed);
+  double largest = 0;
+  for (const PathPoint& p : curve.path.points) {
+    EXPECT_TRUE(p.stable) << p.control;
+    largest = std::max(largest, curve.multiplicity * p.force / SlenderBeam::unit());
+  }
+  EXPECT_LT(largest, 730);
+  const common::CurveFeatures f = common::curveFeatures(curve.table());
+  EXPECT_NEAR(f.barrier_travel / SlenderBeam::RISE, 1.3330, 0.01);
+  EXPECT_NEAR(f.valley_force / SlenderBeam::unit(), -336.09, 0.1 * 336.09);  // one cell across
+}
+
+/// The perfect beam's own branch snaps back in the displacement near d/h = 1.6: no displacement control can follow it.
+TEST(Automatic, PassesTheSnapBackThatDisplacementControlCannot) {
+  const Scene scene = SlenderBeam::scene(SceneKernel::LINEAR_REDUCED, 1, 0, 2, 20);
+  const auto compiled = compileScene(scene, 1);
+  AutomaticSettings settings;
+  settings.arc_on_failure = false;
+  settings.path.refuse_jumps = true;
+  settings.path.locate_singular = false;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(compiled->problem().freeCount());
+  const PathResult stuck = followAutomatically(compiled->problem(), rest, steps(scene.to, 20), settings);
+  EXPECT_NE(stuck.status, SolveStatus::CONVERGED);
+  EXPECT_GT(stuck.halvings, 5);
+  EXPECT_NE(stuck.message.find("halved"), std::string::npos) << stuck.message;
+  ASSERT_FALSE(stuck.points.empty());
+  EXPECT_GT(stuck.points.back().control, 1.4 * SlenderBeam::RISE);
+  settings.arc_on_failure = true;
+  const PathResult whole = followAutomatically(compiled->problem(), rest, steps(scene.to, 20), settings);
+  ASSERT_EQ(whole.status, SolveStatus::CONVERGED) << whole.message;
+  EXPECT_EQ(whole.points.back().control, scene.to);
+  EXPECT_GE(turningPoints(whole.points).size(), 2u);
+  ASSERT_GE(whole.account.size(), 2u);  // what failed, and what passed
+  EXPECT_NE(whole.account[0].find("displacement control"), std::string::npos);
+  EXPECT_NE(whole.account[1].find("arc length"), std::string::npos);
+}
+
+TEST(Automatic, TrussOnASoftSpring) {
+  const Truss truss(0.25, 1e-2);
+  AutomaticSettings settings;
+  settings.arc_on_failure = false;
+  settings.path.refuse_jumps = true;
+  const PathResult stuck = followAutomatically(truss, Eigen::VectorXd::Zero(1), steps(1.2, 60), settings);
+  EXPECT_NE(stuck.status, SolveStatus::CONVERGED);
+  EXPECT_LT(stuck.points.back().control, 0.7);
+  settings.arc_on_failure = true;
+  const PathResult whole = followAutomatically(truss, Eigen::VectorXd::Zero(1), steps(1.2, 60), settings);
+  ASSERT_EQ(whole.status, SolveStatus::CONVERGED) << whole.message;
+  for (const PathPoint& p : whole.points) EXPECT_NEAR(p.force, truss.apexForce(p.solution(0)), 1e-9);
+  ASSERT_EQ(whole.singular.size(), 2u);
+  for (const SingularPoint& s : whole.singular) {
+    EXPECT_EQ(s.kind, SingularKind::LIMIT_POINT);
+    EXPECT_GT(s.load_share, 0.99);
+    // The control turns where the truss is as soft as the spring is stiff.
+    Evaluation at;
+    truss.evaluate(s.point.z, s.point.p, Order::TANGENT, at);
+    EXPECT_NEAR(at.hessian[0], 0, 1e-8);
+  }
+  EXPECT_EQ(turningPoints(whole.points).size(), 2u);
+}
+
+TEST(Automatic, WithoutSupportNothingIsFollowed) {
+  Scene scene = testing_scenes::jointedTruss(2, "linear", 1);
+  scene.pins.clear();
+  const SceneCurve curve = trace(scene, TraceMethod::AUTOMATIC);
+  EXPECT_EQ(curve.path.status, SolveStatus::SINGULAR);
+}
+
+TEST(Singular, LimitLoadOfTheTrussIsExact) {
+  const LoadedTruss truss(0.25);
+  ArcSettings settings;
+  settings.first_step = 2e-4;
+  settings.largest_step = 5e-4;
+  settings.end = 8e-3;
+  const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
+  ASSERT_EQ(arc.path.singular.size(), 2u);
+  const double limit = 5.4912944e-3, apex = 0.25 - 0.25 / std::sqrt(3.0);
+  for (const int k : {0, 1}) {
+    const SingularPoint& s = arc.path.singular[k];
+    EXPECT_EQ(s.kind, SingularKind::LIMIT_POINT);
+    EXPECT_NEAR(s.point.p(0), k == 0 ? limit : -limit, 1e-10);
+    EXPECT_NEAR(s.point.z(0), k == 0 ? apex : 0.5 - apex, 1e-6);
+  }
+}
+
+/// Peak, valley and zeros of the truss are solved for: far finer than the points' spacing.
+TEST(Features, AreExactOnTheTruss) {
+  const Truss truss(0.25, 100);
+  const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), steps(0.55, 22));
+  ASSERT_EQ(path.status, SolveStatus::CONVERGED);
+  NewtonSettings newton;
+  newton.relative_tolerance = 1e-11;
+  EquilibriumSolver solver(truss, newton);
+  const std::vector<Feature> found = locateFeatures(solver, path.points);
+  ASSERT_EQ(found.size(), 5u);  // start, peak, flat, valley, second state
+  const FeatureKind kinds[] = {FeatureKind::ZERO, FeatureKind::PEAK, FeatureKind::ZERO, FeatureKind::VALLEY,
+                               FeatureKind::ZERO};
+  const double apex = 0.25 / std::sqrt(3.0), load = truss.apexForce(0.25 - apex);
+  const double forces[] = {0, load, 0, -load, 0};
+  const double moves[] = {0, 0.25 - apex, 0.25, 0.25 + apex, 0.5};
+  EXPECT_NEAR(load, 5.4912944e-3, 1e-10);
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(found[k].kind, kinds[k]) << k;
+    EXPECT_NEAR(found[k].point.force, forces[k], 1e-12) << k;
+    EXPECT_NEAR(found[k].point.control, moves[k] + forces[k] / 100, 1e-9) << k;
+    EXPECT_LT(found[k].accuracy, 1e-9) << k;
+  }
+}
+
+/// On a solid, the located points agree with those of a path ten times finer.
+TEST(Features, DoNotDependOnThePath) {
+  Scene scene = loadScene(std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/snap_beam.yaml");
+  scene.kernel = SceneKernel::LINEAR_REDUCED;
+  scene.cell_size = 8e-4;
+  std::vector<std::vector<Feature>> found;
+  for (const int count : {28, 140}) {
+    scene.steps = count;
+    const auto compiled = compileScene(scene, 1);
+    const SceneCurve curve = traceScene(scene, *compiled, {}, {});
+    NewtonSettings newton;
+    newton.relative_tolerance = 1e-12;
+    EquilibriumSolver solver(compiled->problem(), newton);
+    found.push_back(locateFeatures(solver, curve.path.points));
+  }
+  ASSERT_EQ(found[0].size(), 5u);
+  ASSERT_EQ(found[1].size(), 5u);
+  for (int k = 1; k < 5; ++k) {
+    EXPECT_EQ(found[0][k].kind, found[1][k].kind);
+    EXPECT_NEAR(found[0][k].point.control, found[1][k].point.control, 1e-9) << k;  // of 20 mm
+    EXPECT_NEAR(found[0][k].point.force, found[1][k].point.force, 1e-8) << k;
+  }
+}
+
+}  // namespace
+}  // namespace snapwing::statics
