@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "snapwing/statics/conjugate_gradients.h"
+
 namespace snapwing::statics {
 
 namespace {
@@ -253,6 +255,22 @@ int EquilibriumSolver::settle(Equilibrium& x) {
   x.stiffness = x.control_curvature + x.load.dot(x.slope);
   if (tieCount() > 0) x.stiffness -= tied_->ties().control.col(0).dot(x.multiplier_slope);
   return 1;
+}
+
+int EquilibriumSolver::settleNear(Equilibrium& x) {
+  constexpr double NEAR = 1e-2;
+  const Cholesky& cholesky = newton_.cholesky();
+  if (tieCount() > 0 || !(cholesky.distance(x.at.hessian) < NEAR)) return settle(x);
+  Eigen::VectorXd control_part;
+  problem().controlTangent(x.at, Eigen::VectorXd::Ones(1), x.load, control_part);
+  const CgResult cg =
+      conjugateGradients(problem().pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
+  if (!cg.converged) return settle(x);
+  x.multiplier_slope.resize(0);
+  x.control_curvature = control_part(0);
+  x.negative_pivots = 0;
+  x.stiffness = x.control_curvature + x.load.dot(x.slope);
+  return 0;
 }
 
 Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const {

@@ -6,8 +6,14 @@
 #include <utility>
 
 #include "snapwing/common/error.h"
+#include "snapwing/statics/conjugate_gradients.h"
 
 namespace snapwing::statics {
+
+namespace {
+constexpr int OLD_FACTOR_STEPS = 8;  ///< with the factor of another point, fewer do not help
+constexpr int OLD_FACTOR_PAUSE = 3;  ///< factorizations before the next try, after one that was in vain
+}  // namespace
 
 std::string statusName(SolveStatus status) {
   switch (status) {
@@ -54,14 +60,38 @@ double Newton::tolerance(const Evaluation& at) const {
   return std::max(settings_.relative_tolerance * at.force_scale, problem_.forceFloor());
 }
 
+/// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.
+bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result) {
+  if (settings_.projection == Projection::ALWAYS || !cholesky_.definite() || !old_factor_serves_) return false;
+  // Exact enough for Newton's convergence to stay what it is, and no more exact than the end asks for.
+  const double norm = at.residual.norm();
+  const double wanted = std::max(0.1 * tolerance(at), 1e-3 * norm);
+  // A step of conjugate gradients costs a solve and a product with the matrix.
+  const int worth = static_cast<int>(0.5 * cholesky_.factorCostInSolves());
+  if (!factor_is_recent_ && (worth < OLD_FACTOR_STEPS || patience_-- > 0)) return false;
+  const int limit = std::max(worth, 4);
+  const CgResult cg = conjugateGradients(problem_.pattern(), at.hessian, cholesky_, -at.residual, wanted, limit, d);
+  result.inner_iterations += cg.iterations;
+  if (!cg.converged || !d.allFinite()) {
+    patience_ = OLD_FACTOR_PAUSE;
+    return false;
+  }
+  patience_ = 0;
+  ++result.iterations;
+  return true;
+}
+
 bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
                        NewtonResult& result) {
+  if (nearby(at, d, result)) return true;
   bool good = false;
   if (settings_.projection == Projection::ON_DEMAND) {
     ++result.factorizations;
     good = cholesky_.factorize(at.hessian);
+    factor_is_recent_ = good;
   }
   if (!good) {
+    factor_is_recent_ = false;
     evaluate(z, p, Order::PROJECTED, trial_);
     ++result.projections;
     std::vector<double>& hessian = trial_.hessian;
@@ -120,8 +150,12 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
     return finish(SolveStatus::INVERTED_START, text.str());
   }
   Eigen::VectorXd d;
+  factor_is_recent_ = false;
   for (int iteration = 0;; ++iteration) {
+    const double before = result.residual;
     result.residual = at.residual.norm();
+    // An old factor is for the last digits of a solution that is near, not for the way there, nor for rounding.
+    old_factor_serves_ = iteration == 0 || result.residual < 0.1 * before;
     if (result.residual <= tolerance(at)) return finish(SolveStatus::CONVERGED, "");
     if (iteration == settings_.max_iterations) break;
     if (settings_.cancelled && settings_.cancelled()) return finish(SolveStatus::CANCELLED, "cancelled");

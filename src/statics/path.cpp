@@ -75,13 +75,14 @@ bool PathFollower::stepTo(double target, NewtonResult& last) {
     share = std::min(share, 1 - done);
     const double p = done + share >= 1 ? target : begin + (done + share) * whole;
     Equilibrium next = solver_.predict(place_, p);
+    next.z = predictor_.guess(p);
     // An unstable branch is no minimum: there only Newton as it is stays on it.
     last = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
     result_.iterations += last.iterations;
     result_.factorizations += last.factorizations;
     result_.projections += last.projections;
     if (last.converged()) {
-      result_.factorizations += solver_.settle(next);
+      result_.factorizations += solver_.settleNear(next);
       if (settings_.refuse_jumps && jumped(next)) {
         last.status = SolveStatus::JUMPED;
         std::ostringstream text;
@@ -95,6 +96,8 @@ bool PathFollower::stepTo(double target, NewtonResult& last) {
       if (changed && settings_.locate_singular) passSingular(next, onward);
       const bool left = onward.z.size() > 0;
       place_ = left ? std::move(onward) : std::move(next);
+      if (left) predictor_.clear();
+      predictor_.add(place_.p(0), place_.z, place_.slope);
       done = whole != 0 ? (place_.p(0) - begin) / whole : 1;
       if (!left && p == target) done = 1;
       share *= left ? 1 : 2;
@@ -141,6 +144,8 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, NewtonRes
 }
 
 void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last) {
+  predictor_.clear();
+  predictor_.add(place_.p(0), place_.z, place_.slope);
   for (std::size_t k = first; k < targets.size(); ++k) {
     const int before = result_.iterations;
     if (!stepTo(targets[k], last)) return stopped(targets[k], last);

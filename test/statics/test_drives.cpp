@@ -77,7 +77,7 @@ TEST_P(Drives, TheReactionIsTheSlopeOfTheEnergy) {
     scene.drive = drive;
     const auto compiled = compileScene(scene, 1);
     NewtonSettings newton;
-    newton.relative_tolerance = 1e-13;
+    newton.relative_tolerance = 1e-11;  // displacements of 17 mm on .4 mm cells round to 4e-11 N
     EquilibriumSolver solver(compiled->problem(), newton);
     for (const double travel : {c.near, c.far}) {
       const PathResult path = trace(*compiled, travel, 20);

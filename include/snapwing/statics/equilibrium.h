@@ -72,6 +72,9 @@ class EquilibriumSolver {
   NewtonResult correctOn(const BranchPlane& plane, Equilibrium& x);
   /// Inertia and derivatives at a converged point. @return factorizations spent
   int settle(Equilibrium& x);
+  /// The same for a point close to where the last factor belongs to: without a new factor if the Hessian has changed by
+  /// less than a hundredth (Cholesky::distance), which leaves the inertia what it was.
+  int settleNear(Equilibrium& x);
   /// First guess at another control, from a settled point.
   Equilibrium predict(const Equilibrium& from, double p) const;
   /// Motion of the smallest Hessian's eigenvalue by magnitude (unit length), at a settled point, and that value [N/m].

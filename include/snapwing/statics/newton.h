@@ -44,6 +44,7 @@ struct NewtonResult {
   std::string message;                                         ///< what failed and where
   int iterations = 0;                                          ///< linear systems solved
   int factorizations = 0;                                      ///< tries of Cholesky, failed ones too
+  int inner_iterations = 0;                                    ///< of conjugate gradients with an earlier factor
   int projections = 0;                                         ///< iterations that needed the projected Hessian
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< |r| [N]
   bool converged() const { return status == SolveStatus::CONVERGED; }
@@ -69,6 +70,7 @@ class Newton {
 
  private:
   void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at);
+  bool nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
   bool direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
                  NewtonResult& result);
   double tolerance(const Evaluation& at) const;
@@ -77,6 +79,9 @@ class Newton {
   NewtonSettings settings_;
   Cholesky cholesky_;
   Evaluation trial_;
+  int patience_ = 0;  ///< factorizations to wait before an old factor is tried again
+  bool old_factor_serves_ = true;
+  bool factor_is_recent_ = false;  ///< of an iterate of the solve that runs
   double seconds_assembly_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "snapwing/statics/equilibrium.h"
+#include "snapwing/statics/predictor.h"
 #include "snapwing/statics/singular.h"
 
 namespace snapwing::statics {
@@ -52,7 +53,7 @@ struct PathResult {
 /// What a path or an arc reports of a settled point.
 PathPoint describePoint(const Equilibrium& x, int iterations, bool keep_solution);
 
-/// Steps from point to point with a tangent predictor; a step that fails is halved.
+/// Steps from point to point with a Hermite predictor; a step that fails is halved.
 class PathFollower {
  public:
   /// @param problem  with exactly one control; must outlive this
@@ -81,6 +82,7 @@ class PathFollower {
   const Problem& problem_;
   PathSettings settings_;
   EquilibriumSolver solver_;
+  Predictor predictor_;
   Equilibrium place_;
   PathResult result_;
 };

@@ -32,12 +32,20 @@ class Cholesky {
   /// L D L^T without pivoting, for an indefinite matrix: slower, and only to be trusted away from singular minors.
   /// @return number of negative pivots, or -1 if a pivot vanished
   int factorizeIndefinite(const std::vector<double>& values);
+  /// True if the last factorization was L L^T and good.
+  bool definite() const;
   /// Solution with the last good factor.
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   /// Rough reciprocal condition number of the last factor, from its pivots.
   double reciprocalCondition() const;
   double factorEntries() const;  ///< nnz(L) of the analysis
+  /// How far a matrix A is from the one that was factorized, F: the largest |eigenvalue| of F^-1 (A - F), by two steps
+  /// of the power method from a vector without symmetry. Infinite without a Cholesky factor. Well below 1, both
+  /// matrices are positive definite.
+  double distance(const std::vector<double>& values) const;
+  /// What a factorization costs, in solves: estimated from the analysis, so that it is the same on each machine.
+  double factorCostInSolves() const;
   int factorizations() const { return factorizations_; }
   double secondsAnalysis() const { return seconds_analysis_; }
   double secondsFactor() const { return seconds_factor_; }
@@ -45,6 +53,7 @@ class Cholesky {
 
  private:
   struct Impl;
+  Eigen::MatrixXd solvePermuted(const Eigen::MatrixXd& right) const;
   std::unique_ptr<Impl> impl_;
   int factorizations_ = 0;
   double seconds_analysis_ = 0, seconds_factor_ = 0;
