@@ -63,7 +63,7 @@ bool SbusParser::push(std::uint8_t byte, double now) {
   if (size_ == 0 && byte != HEAD) return false;
   buffer_[size_++] = byte;
   if (size_ < SBUS_FRAME_SIZE) return false;
-  if (buffer_[24] != 0x00 || (buffer_[23] & 0xF0) != 0) {
+  if (buffer_[24] != 0x00) {
     ++bad_frames_;
     return false;
   }

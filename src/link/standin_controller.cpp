@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::size_t FLIGHT_CHANNELS = 4;
 constexpr int LOST_CHANNEL = 885;  ///< [us] shown for a channel that is lost
+constexpr double NEVER = 1e18;     ///< [s]
 /// The full output read back is one below 2000, and all outputs are whole microseconds rounded down.
 constexpr double FULL_OUTPUT = 1999.99;
 
@@ -61,11 +62,13 @@ void StandinController::receive(const Channels& channels, double now) {
   }
   if (!any_frame_ && values_.us[AUX1] >= settings_.arm_threshold) not_disarmed_ = true;
   any_frame_ = true;
+  if (now - last_frame_ > settings_.throttle_hold) thrust_return_ = now + settings_.thrust_return;
   last_frame_ = now;
-  if (!flightChannelsValid(now)) return;
-  const double gap = now - last_good_;
-  if (gap > settings_.rxloss_after) good_since_ = now;
-  if (gap > settings_.throttle_hold) thrust_return_ = now + settings_.thrust_return;
+  if (!flightChannelsValid(now)) {
+    good_since_ = NEVER;  // a lost channel shows as lost signal with the frame that finds it so
+    return;
+  }
+  if (good_since_ == NEVER || now - last_good_ > settings_.rxloss_after) good_since_ = now;
   last_good_ = now;
   step(now);
 }
@@ -115,7 +118,7 @@ void StandinController::updateArming(double now) {
 }
 
 int StandinController::throttleInForce(double now) const {
-  const bool lost = now - last_good_ > settings_.throttle_hold || now < thrust_return_ ||
+  const bool lost = now - last_frame_ > settings_.throttle_hold || now < thrust_return_ ||
                     now - valid_time_[THROTTLE] > settings_.channel_hold;
   return lost ? LOST_CHANNEL : values_.us[THROTTLE];
 }

@@ -10,6 +10,8 @@ namespace {
 /// must look the bit up.
 constexpr std::array<std::uint8_t, 7> BOXES = {BOX_ARM, 1, 2, BOX_FAILSAFE, 13, 36, BOX_MSP_OVERRIDE};
 
+constexpr std::size_t MOST_CHANNELS = 18;  ///< of one MSP_SET_RAW_RC
+
 }  // namespace
 
 StandinMsp::StandinMsp(StandinController& controller, double now) : controller_(controller), next_turn_(now) {}
@@ -96,7 +98,11 @@ void StandinMsp::serve(const MspPacket& packet, double now, MspPacket& reply) {
       break;
     case MSP_SET_RAW_RC: {
       Channels channels;
-      if (decode(packet, channels)) controller_.onFrame(channels, now);
+      if (packet.size > 2 * MOST_CHANNELS) {
+        reply.direction = '!';
+      } else if (decode(packet, channels)) {
+        controller_.onFrame(channels, now);
+      }
       break;
     }
     default:

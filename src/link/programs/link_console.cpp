@@ -11,6 +11,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
 #include "snapwing/link/operator_link.h"
+#include "snapwing/link/realtime.h"
 
 namespace {
 
@@ -19,6 +20,7 @@ using namespace snapwing;
 struct Operator {
   bool arm = false, deadman = true, quit = false;
   double reset_until = 0;
+  bool changed = false;  ///< the bridge hears of it at once, not with the next heartbeat
 };
 
 void printStatus(const link::OperatorLink& link, double now) {
@@ -45,6 +47,7 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
   std::istringstream words(line);
   std::string verb;
   words >> verb;
+  o.changed = true;
   if (verb == "arm") o.arm = true;
   if (verb == "disarm") o.arm = false;
   if (verb == "reset") {
@@ -85,6 +88,7 @@ void readLines(std::string& rest, link::OperatorLink& link, Operator& o) {
 }
 
 int run(const std::string& url, const std::string& key_file, double heartbeat_period) {
+  link::takeRealtimePriority(link::OPERATOR_PRIORITY);
   link::OperatorLink link(url, link::loadKeyFile(key_file));
   Operator o;
   std::string rest;
@@ -99,7 +103,8 @@ int run(const std::string& url, const std::string& key_file, double heartbeat_pe
       printStatus(link, now);
       std::fflush(stdout);
     }
-    if (now < next_heartbeat) continue;
+    if (now < next_heartbeat && !o.changed) continue;
+    o.changed = false;
     next_heartbeat = now + heartbeat_period;
     link.sendHeartbeat(o.arm, o.deadman, now < o.reset_until);
   }

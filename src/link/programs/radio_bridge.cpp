@@ -1,7 +1,6 @@
 /// radio_bridge: thrust pulses in as LCM messages, remote-control frames out at a fixed rate. No ROS, no planner,
 /// nothing but the last watchdog before the flight controller's own. docs/safety.md says what it promises.
 #include <poll.h>
-#include <sched.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -23,6 +22,7 @@
 #include "snapwing/link/bridge_lcm.h"
 #include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/clock.h"
+#include "snapwing/link/realtime.h"
 #include "snapwing/link/transport.h"
 
 namespace {
@@ -101,12 +101,6 @@ void addOptions(CLI::App& app, Options& o) {
       ->capture_default_str();
 }
 
-bool takePriority(int priority) {
-  sched_param wanted{};
-  wanted.sched_priority = priority;
-  return priority > 0 && sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
-}
-
 /// Sleeps until an absolute time, a message or bytes on the line; a loop held up on its way here is not late for that.
 class Waiter {
  public:
@@ -170,12 +164,12 @@ int start(const Options& o) {
   link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
   prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);
   // LCM's threads inherit a little less than the loop gets afterwards.
-  if (o.realtime_priority > 0 && !takePriority(std::max(1, o.realtime_priority - 10)))
+  if (o.realtime_priority > 0 && !link::takeRealtimePriority(std::max(1, o.realtime_priority - 10)))
     setpriority(PRIO_PROCESS, 0, -15);
   link::BridgeLcm lcm(o.lcm_url, key, session, loop.inbox(), loop.outbox());
   std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(),
                o.protocol.c_str(), o.lcm_url.c_str());
-  const bool realtime = takePriority(o.realtime_priority);
+  const bool realtime = link::takeRealtimePriority(o.realtime_priority);
   // After the threads are there: under a small limit it fails here, and not in the middle of the work.
   const bool locked = o.realtime_priority > 0 && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   loop.core().noteGrants(realtime, locked);

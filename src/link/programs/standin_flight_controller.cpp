@@ -18,9 +18,8 @@
 #include "own_arguments.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/crsf.h"
-#include "snapwing/link/sbus.h"
 #include "snapwing/link/standin_controller.h"
+#include "snapwing/link/standin_port.h"
 #include "snapwing/link/transport.h"
 
 namespace {
@@ -168,47 +167,13 @@ class EventLog {
   int motor_ = -1;
 };
 
-/// Hears one of the three protocols and feeds the controller.
-class Receiver {
- public:
-  Receiver(const std::string& protocol, link::StandinController& fc, double now)
-      : protocol_(protocol), fc_(fc), msp_(fc, now) {}
-
-  void reset() { msp_.reset(); }
-  void take(const std::uint8_t* bytes, std::size_t size, double now) {
-    if (protocol_ == "msp") return msp_.receive(bytes, size);
-    for (std::size_t i = 0; i < size; ++i) {
-      if (protocol_ == "sbus") {
-        if (sbus_.push(bytes[i], now) && sbus_.frame().usable())
-          frame(sbus_.frame().ticks, link::sbusMicroseconds, now);
-      } else if (crsf_.push(bytes[i])) {
-        frame(crsf_.ticks(), link::crsfMicroseconds, now);
-      }
-    }
-  }
-  std::size_t step(double now, std::uint8_t* out, std::size_t capacity) { return msp_.step(now, out, capacity); }
-
- private:
-  void frame(const link::Ticks& ticks, int (*microseconds)(int), double now) {
-    link::Channels channels;
-    channels.count = link::MAX_CHANNELS;
-    for (std::size_t i = 0; i < ticks.size(); ++i) channels.us[i] = static_cast<std::uint16_t>(microseconds(ticks[i]));
-    fc_.onFrame(channels, now);
-  }
-  std::string protocol_;
-  link::StandinController& fc_;
-  link::StandinMsp msp_;
-  link::SbusParser sbus_;
-  link::CrsfParser crsf_;
-};
-
 int run(const Options& o) {
   Port port(o);
   MotorSender motors(o.motor_host, o.motor_port);
   EventLog log(o.events);
   std::fflush(stdout);
   link::StandinController fc(o.settings, link::monotonicSeconds());
-  Receiver receiver(o.protocol, fc, link::monotonicSeconds());
+  link::StandinPort receiver(o.protocol, fc, link::monotonicSeconds());
   std::array<std::uint8_t, 4096> in;
   std::array<std::uint8_t, 4096> out;
   double next_motor = 0;

@@ -20,6 +20,7 @@
 
 #include "snapwing/link/clock.h"
 #include "snapwing/link/operator_link.h"
+#include "snapwing/link/realtime.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
@@ -132,14 +133,18 @@ class FlightLinkNode {
   // -- link's thread: the only one that touches link_
 
   void run() {
+    link::takeRealtimePriority(link::OPERATOR_PRIORITY);
     double next_heartbeat = 0;
+    bool wished = false;
     while (!stop_) {
       try {
         link_.handle(0.003);
         for (Task task; take(task);) task();
         const double now = link::monotonicSeconds();
         copyCounters();
-        if (now < next_heartbeat) continue;
+        const bool wish = arm_wish_ && deadmanHeld(now);
+        if (now < next_heartbeat && wish == wished) continue;  // a change is told at once
+        wished = wish;
         next_heartbeat = now + settings_.heartbeat_period;
         link_.sendHeartbeat(arm_wish_, deadmanHeld(now), reset_wish_);
       } catch (const std::exception& error) {

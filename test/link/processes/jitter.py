@@ -8,20 +8,12 @@ import subprocess
 import threading
 import time
 
-from link_bench import Bench, wait_for
+from link_bench import Bench, Witness, be_firm, wait_for
 
 PERIOD = 0.02  # s
 WITHIN = 0.002  # s
 CRSF_SIZE = 26  # bytes
 LOW = 200       # ticks; throttle low is 190
-FIRM = 80       # priority of what only looks
-
-
-def be_firm(priority):
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
-    except PermissionError:
-        pass
 
 
 class Sink:
@@ -36,7 +28,7 @@ class Sink:
         return "tcp:127.0.0.1:%d" % self.server.getsockname()[1]
 
     def _run(self):
-        be_firm(70)
+        be_firm(0, 70)
         caller, _ = self.server.accept()
         rest = b""
         while True:
@@ -52,39 +44,6 @@ class Sink:
                 channels = int.from_bytes(rest[3:25], "little")
                 self.frames.append((now, channels >> 22 & 0x7FF))
                 rest = rest[CRSF_SIZE:]
-
-
-WITNESS = f"""
-import os, time
-try:
-    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param({FIRM}))
-except PermissionError:
-    pass
-before = time.monotonic()
-while True:
-    time.sleep(0.001)
-    now = time.monotonic()
-    if now - before > 0.0025:
-        print(before, now, flush=True)
-    before = now
-"""
-
-
-class Witness:
-    """A process that sleeps 1 ms over and over at the highest priority: stalls of the machine itself (a virtual one is taken off
-    its cores at times) show here, and no program could have done better during them."""
-
-    def __enter__(self):
-        self.process = subprocess.Popen(["/usr/bin/python3", "-c", WITNESS], stdout=subprocess.PIPE, text=True)
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        text = self.process.communicate()[0]
-        self.stalls = [tuple(map(float, line.split())) for line in text.splitlines() if line.count(" ") == 1]
-
-    def saw(self, begin, end):
-        return any(start < end and begin < stop for start, stop in self.stalls)
 
 
 def hogs(count):

@@ -84,6 +84,39 @@ class Process:
                 stream.close()
 
 
+WITNESS = """
+import os, time
+try:
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(80))
+except PermissionError:
+    pass
+before = time.monotonic()
+while True:
+    time.sleep(0.001)
+    now = time.monotonic()
+    if now - before > 0.0025:
+        print(before, now, flush=True)
+    before = now
+"""
+
+
+class Witness:
+    """A process that sleeps 1 ms over and over at the highest priority: stalls of the machine itself (a virtual one is taken off
+    its cores at times) show here, and no program could have done better during them."""
+
+    def __enter__(self):
+        self.process = subprocess.Popen(["/usr/bin/python3", "-c", WITNESS], stdout=subprocess.PIPE, text=True)
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        text = self.process.communicate()[0]
+        self.stalls = [tuple(map(float, line.split())) for line in text.splitlines() if line.count(" ") == 1]
+
+    def saw(self, begin, end):
+        return any(start < end and begin < stop for start, stop in self.stalls)
+
+
 class Motors:
     """Events of the stand-in: (time, armed, failsafe, motor [us]) at each change since the last forget()."""
 

@@ -1,5 +1,5 @@
-"""Faults of the link, each a class with a promise and a trial. A trial begins armed and in a pulse, does the harm at a random
-moment and returns the seconds until the motors were at idle or off; whether thrust came back is judged for all alike."""
+"""Faults of the link, each a class with a promise and a trial. A trial begins armed and with the motors at a pulse's thrust, does
+the harm at a random moment and says when the motors were at idle or off; whether thrust came back is judged for all alike."""
 import os
 import random
 import signal
@@ -7,147 +7,156 @@ import socket
 import subprocess
 import time
 
-from link_bench import IDLE, Bench, free_port, wait_for
+from link_bench import IDLE, Bench, NotBegun, be_firm, free_port, wait_for
 from relays import LcmRelay, SerialRelay
 
-PULSE = 1.4      # s
-WATCH = 1.2      # s after the motors were at idle in which no thrust may return
 NEVER = 99.0
 
 
 class Fault:
     name = ""
-    promise = 0.0        # s from the fault to idle or off
+    promise = 0.04       # s to idle or off: from the harm if it breaks the pulse off, else from the pulse's own end
     guard = ""           # who notices
-    options = {}
+    breaks = True
+    pulse = 1.0          # s
+    latest = 0.55        # s after the motors rose in which the harm is done
+    watch = 1.0          # s after the motors were at idle in which no thrust may return
+    bench_kind = Bench
 
     def __init__(self, programs, seed):
-        self.rng = random.Random(seed)
-        self.bench = Bench(programs, **self.bench_options(programs))
-        self.programs = programs
+        self.rng = random.Random(f"{self.name} {seed}")
+        self.bench = self.bench_kind(programs, **self.bench_options())
 
-    def bench_options(self, _programs):
-        return dict(self.options)
+    def bench_options(self):
+        return {}
 
     def close(self):
         self.bench.__exit__()
 
-    def harm(self):
-        """Does the harm now. @return (time from which the promise counts, undo function or None)"""
-        raise NotImplementedError
+    def before(self):
+        """What is done between arming and the command."""
 
-    def prepare(self):
-        pass
+    def harm(self):
+        """Does the harm now. @return (moment from which the promise counts or None for now, what undoes it or None)"""
+        return None, None
+
+    def check(self):
+        """Raises AssertionError if something else than the motors is not as it must be."""
 
     def trial(self):
-        """@return (seconds to idle, largest motor output after that [us])"""
+        """@return (moment from which the promise counts, seconds to idle from then, largest output after that [us])"""
         bench = self.bench
-        self.prepare()
         bench.arm(timeout=20)
-        bench.pulse(1.0, PULSE)
-        time.sleep(self.rng.uniform(0.0, PULSE - 0.45))
+        self.before()
+        rise = bench.pulse(1.0, self.pulse)
+        time.sleep(self.rng.uniform(0.0, self.latest))
+        moment = time.monotonic()
         since, undo = self.harm()
-        end = time.monotonic() + PULSE + 0.6
-        idle = None
-        while idle is None and time.monotonic() < end:
-            time.sleep(0.005)
-            idle = bench.motors.first_at_or_below(IDLE, since)
-        if undo:
-            undo()
-        if idle is None:
-            return NEVER, bench.motors.last()["motor"]
-        time.sleep(WATCH)
-        return idle - since, bench.motors.highest(idle)
+        since = since or moment
+        try:
+            idle = self.wait_for_idle(since, rise + self.pulse + 0.6)
+        finally:
+            if undo:
+                undo()
+        time.sleep(self.watch)
+        self.check()
+        begin = since if self.breaks else rise + self.pulse
+        return begin, max(0.0, idle - begin), bench.motors.highest(idle)
+
+    def wait_for_idle(self, since, until):
+        over = False
+        while not over:
+            over = time.monotonic() > until
+            idle = self.bench.motors.first_at_or_below(IDLE, since)
+            if idle is not None:
+                return idle
+            time.sleep(0.02)
+        raise AssertionError(f"motors never idle: harm at {since}, {self.bench.motors.events()[-8:]}, {self.bench.status()}")
 
 
-class BridgeKilled(Fault):
+class Killed(Fault):
+    """kill -9, later started again."""
+    victim = ""
+    pauses = (0.32, 0.6, 1.2, 1.7)  # s
+
+    def harm(self):
+        bench = self.bench
+        getattr(bench, self.victim).signal(signal.SIGKILL)
+        since = time.monotonic()
+        pause = self.rng.choice(self.pauses)
+
+        def undo():
+            time.sleep(max(0.0, since + pause - time.monotonic()))
+            getattr(bench, self.victim).kill()
+            setattr(bench, self.victim, getattr(bench, "start_" + self.victim)())
+        return since, undo
+
+
+class Stopped(Fault):
+    victim = ""
+
+    def harm(self):
+        process = getattr(self.bench, self.victim)
+        process.signal(signal.SIGSTOP)
+        since = time.monotonic()
+        pause = self.rng.uniform(0.31, 1.7)
+
+        def undo():
+            time.sleep(max(0.0, since + pause - time.monotonic()))
+            process.signal(signal.SIGCONT)
+        return since, undo
+
+
+class BridgeKilled(Killed):
     name = "radio_bridge: kill -9, then started again"
     promise = 0.30
     guard = "flight controller: throttle hold, failsafe"
-
-    def harm(self):
-        self.bench.bridge.signal(signal.SIGKILL)
-        since = time.monotonic()
-        pause = self.rng.choice([0.32, 0.6, 1.2, 2.0])
-
-        def undo():
-            time.sleep(max(0.0, since + pause - time.monotonic()))
-            self.bench.bridge.kill()
-            self.bench.bridge = self.bench.start_bridge()
-        return since, undo
+    victim = "bridge"
 
 
-class BridgeStopped(Fault):
+class BridgeStopped(Stopped):
     name = "radio_bridge: SIGSTOP, then SIGCONT"
     promise = 0.30
     guard = "flight controller; afterwards the bridge's own stall check"
-
-    def harm(self):
-        self.bench.bridge.signal(signal.SIGSTOP)
-        since = time.monotonic()
-        pause = self.rng.uniform(0.31, 2.0)
-
-        def undo():
-            time.sleep(max(0.0, since + pause - time.monotonic()))
-            self.bench.bridge.signal(signal.SIGCONT)
-        return since, undo
+    victim = "bridge"
 
 
 class BridgeTerminated(Fault):
     name = "radio_bridge: SIGTERM, SIGINT, SIGHUP, SIGSEGV, SIGABRT"
-    promise = 0.04
     guard = "bridge: safe frames on every signal"
 
     def harm(self):
-        self.bench.bridge.signal(self.rng.choice([signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGSEGV, signal.SIGABRT]))
-        since = time.monotonic()
+        bench = self.bench
+        bench.bridge.signal(self.rng.choice([signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGSEGV, signal.SIGABRT]))
 
         def undo():
-            self.bench.bridge.child.wait(3)
-            self.bench.bridge.kill()
-            self.bench.bridge = self.bench.start_bridge()
-        return since, undo
+            bench.bridge.child.wait(3)
+            bench.bridge.kill()
+            bench.bridge = bench.start_bridge()
+        return None, undo
 
 
-class OperatorKilled(Fault):
+class OperatorKilled(Killed):
     name = "operator's end (link_console): kill -9, then started again"
     promise = 0.25
     guard = "bridge: heartbeat timeout"
-
-    def harm(self):
-        self.bench.console.signal(signal.SIGKILL)
-        since = time.monotonic()
-
-        def undo():
-            self.bench.console.kill()
-            self.bench.console = self.bench.start_console()
-        return since, undo
+    victim = "console"
 
 
-class OperatorStopped(Fault):
+class OperatorStopped(Stopped):
     name = "operator's end (link_console): SIGSTOP, then SIGCONT"
     promise = 0.25
     guard = "bridge: heartbeat timeout, latched"
-
-    def harm(self):
-        self.bench.console.signal(signal.SIGSTOP)
-        since = time.monotonic()
-        pause = self.rng.uniform(0.3, 1.0)
-
-        def undo():
-            time.sleep(max(0.0, since + pause - time.monotonic()))
-            self.bench.console.signal(signal.SIGCONT)
-        return since, undo
+    victim = "console"
 
 
 class Aborted(Fault):
     name = "abort sent"
-    promise = 0.04
     guard = "bridge: next frame"
 
     def harm(self):
         self.bench.console.send("abort")
-        return time.monotonic(), None
+        return None, None
 
 
 class DeadmanReleased(Fault):
@@ -157,150 +166,145 @@ class DeadmanReleased(Fault):
 
     def harm(self):
         self.bench.console.send("deadman off")
-        return time.monotonic(), lambda: self.bench.console.send("deadman on")
+        return None, lambda: self.bench.console.send("deadman on")
 
 
-class Undisturbed(Fault):
+class Lasting(Fault):
     """The pulse goes on, or is broken off; in either case it is over by its own end."""
-    promise = 0.04
+    breaks = False
     guard = "bridge: own deadline"
     pulse = 0.5
+    latest = 0.45
+    watch = 0.5
 
-    def trial(self):
-        bench = self.bench
-        self.prepare()
-        bench.arm(timeout=20)
-        undo = self.begin()
-        sent = bench.pulse(1.0, self.pulse, wait=self.rises)
-        time.sleep(self.pulse + 0.3)
-        rise = next((event["t"] for event in bench.motors.events() if event["t"] > sent and event["motor"] > IDLE), None)
-        if rise is None:  # refused or lost: nothing to end
-            rise = sent
-        idle = bench.motors.first_at_or_below(IDLE, rise)
-        if undo:
-            undo()
-        if idle is None:
-            return NEVER, bench.motors.last()["motor"]
-        time.sleep(0.3)
-        self.check()
-        return max(0.0, idle - rise - self.pulse), bench.motors.highest(idle)
 
-    rises = True
+class Attack(Lasting):
+    """From the middle of the pulse to beyond its end."""
+    mode = ""
+    rate = 2000
 
-    def begin(self):
-        return None
+    def harm(self):
+        self.before_attack = dict(self.bench.status())
+        program = os.path.join(os.environ["SNAPWING_TEST_HELPERS"], "link_attack")
+        attacker = subprocess.Popen([program, "--lcm-url", self.bench.url, "--key-file", self.bench.key, "--mode", self.mode,
+                                     "--rate", str(self.rate), "--seconds", "1.0"], stdout=subprocess.PIPE, text=True)
+
+        be_firm(attacker.pid, 10)  # it stands for another machine
+
+        def undo():
+            self.reached = float(attacker.communicate(timeout=10)[0].split()[0])  # messages in a second
+        return None, undo
 
     def check(self):
-        pass
-
-
-class Attack(Undisturbed):
-    mode = "garbage"
-    rate = 100000
-    rises = False  # under a flood the command itself may be lost; then nothing rises at all
-
-    def begin(self):
-        self.before = dict(self.bench.status())
-        self.attacker = subprocess.Popen([os.path.join(self.helpers(), "link_attack"), "--lcm-url", self.bench.url, "--mode", self.mode,
-                                          "--rate", str(self.rate), "--seconds", "1.0"], stdout=subprocess.PIPE, text=True)
-        time.sleep(0.1)
-        return lambda: self.attacker.wait(10)
-
-    def helpers(self):
-        return os.environ["SNAPWING_TEST_HELPERS"]
+        if self.reached < 0.95 * self.rate:
+            raise NotBegun(f"only {self.reached} messages a second")
 
 
 class Flood(Attack):
     name = "LCM flooded with 100 000 random messages a second"
     guard = "bridge: envelope check in a thread of its own; heartbeat timeout if the operator drowns"
+    mode = "garbage"
+    rate = 100000
 
 
-class Forged(Attack):
-    name = "well-formed pulses, heartbeats, aborts sealed with another key"
-    mode = "forged"
-    rate = 2000
-    rises = True
-    guard = "bridge: message authentication"
-
+class Ineffective(Attack):
     def check(self):
-        wait_for(lambda: self.bench.status()["rejected"] > self.before["rejected"] + 500, 2, "forged messages are counted")
-        if self.bench.status()["state"] != "armed":
-            raise AssertionError("a forged message had an effect")
+        super().check()
+        before = self.before_attack
+        wait_for(lambda: self.bench.status()["rejected"] + self.bench.status()["refused"] >
+                 before["rejected"] + before["refused"] + 500, 2, "hostile messages are counted")
+        if self.bench.status()["state"] != "armed" or self.bench.status()["pulse_id"] != before["pulse_id"]:
+            raise AssertionError(f"a hostile message had an effect: {self.bench.status()}")
 
 
-class Relayed(Undisturbed):
-    def bench_options(self, _programs):
+class Forged(Ineffective):
+    name = "well-formed pulses, heartbeats, aborts sealed with another key"
+    guard = "bridge: message authentication"
+    mode = "forged"
+
+
+class Malformed(Ineffective):
+    name = "malformed messages: cut, drawn out, flipped bits, wrong sizes; absurd values under the right key"
+    guard = "bridge: envelope, decoding, ranges"
+    mode = "malformed"
+
+
+class Relayed(Fault):
+    @staticmethod
+    def treat(datagram):
+        """@return list of (delay [s], datagram) for the bridge"""
+        return [(0.0, datagram)]
+
+    def bench_options(self):
         ports = [free_port(socket.SOCK_DGRAM) for _ in range(2)]
         self.relay = LcmRelay(*ports)
-        self.bridge_url = f"udpm://239.255.76.67:{ports[1]}?ttl=0"
-        return {"lcm_url": f"udpm://239.255.76.67:{ports[0]}?ttl=0", "bridge_url": self.bridge_url}
+        self.relay.treat = self.treat
+        urls = [f"udpm://239.255.76.67:{port}?ttl=0" for port in ports]
+        return {"lcm_url": urls[0], "bridge_url": urls[1]}
 
     def close(self):
         super().close()
         self.relay.close()
 
 
-class Duplicated(Relayed):
-    name = "every LCM message three times, over 60 ms"
-    guard = "bridge: message numbers"
-
-    def prepare(self):
-        self.relay.treat = lambda datagram: [(0.0, datagram), (0.03, datagram), (0.06, datagram)]
-
-
-class Reordered(Relayed):
-    name = "LCM messages delayed at random up to 40 ms (reordered)"
-    guard = "bridge: message numbers"
-
-    def prepare(self):
-        self.relay.treat = lambda datagram: [(self.rng.uniform(0.0, 0.04), datagram)]
-
-
-class Replayed(Relayed):
-    name = "all LCM messages of the session sent again, 0.3 s later"
-    guard = "bridge: age and message numbers"
-
-    def prepare(self):
-        self.relay.treat = lambda datagram: [(0.0, datagram), (0.3, datagram)]
-
-    def trial(self):
-        seconds, highest = super().trial()
-        time.sleep(0.5)
-        return seconds, max(highest, self.bench.motors.highest(time.monotonic() - 0.9))
-
-
-class Delayed(Relayed):
-    name = "pulse command delayed by 150 ms"
-    guard = "bridge: age"
-    rises = False
-
-    def prepare(self):
-        self.relay.treat = lambda datagram: [(0.15 if b"SNAPWING_PULSE" in datagram[:40] else 0.0, datagram)]
-
-    def check(self):
-        if "old" not in self.bench.status()["refusal"]:
-            raise AssertionError("not refused as old: " + self.bench.status()["refusal"])
-
-
-class NetworkGone(Relayed, Fault):
+class NetworkGone(Relayed):
     name = "LCM network between operator and bridge gone, then back"
     promise = 0.25
     guard = "bridge: heartbeat timeout, latched"
-    trial = Fault.trial
-
-    def prepare(self):
-        self.relay.treat = lambda datagram: [(0.0, datagram)]
 
     def harm(self):
         self.relay.treat = lambda datagram: []
-        since = time.monotonic()
-        return since, self.prepare
+
+        def undo():
+            self.relay.treat = self.treat
+        return None, undo
+
+
+class Duplicated(Relayed, Lasting):
+    name = "every LCM message three times, over 60 ms"
+    guard = "bridge: message numbers"
+
+    @staticmethod
+    def treat(datagram):
+        return [(0.0, datagram), (0.03, datagram), (0.06, datagram)]
+
+
+class Reordered(Relayed, Lasting):
+    name = "LCM messages delayed at random up to 40 ms (reordered)"
+    guard = "bridge: message numbers"
+
+    def treat(self, datagram):
+        return [(self.rng.uniform(0.0, 0.04), datagram)]
+
+
+class Replayed(Relayed, Lasting):
+    name = "all LCM messages of the session sent again, 0.3 s later"
+    guard = "bridge: age and message numbers"
+    watch = 0.9
+
+    @staticmethod
+    def treat(datagram):
+        return [(0.0, datagram), (0.3, datagram)]
+
+
+class Delayed(Relayed, Lasting):
+    name = "pulse command delayed by 150 ms: no pulse at all"
+    guard = "bridge: age"
+
+    @staticmethod
+    def treat(datagram):
+        return [(0.15 if b"SNAPWING_PULSE" in datagram[:40] else 0.0, datagram)]
+
+    def trial(self):
+        self.bench.arm(timeout=20)
+        sent = self.bench.pulse(1.0, self.pulse, wait=False)
+        wait_for(lambda: "old" in self.bench.status()["refusal"], 1.0, "refused as old")
+        time.sleep(0.3)
+        return sent, 0.0, self.bench.motors.highest(sent)
 
 
 class OnSerial(Fault):
-    options = {"line": "pty"}
-
-    def bench_options(self, _programs):
+    def bench_options(self):
         def through(bench):
             self.cable = SerialRelay(bench.far, bench.home.name)
             return "serial:" + self.cable.path
@@ -315,14 +319,21 @@ class SerialBlocked(OnSerial):
     name = "serial line blocked, then free again"
     promise = 0.30
     guard = "flight controller; bridge throws away what waits"
+    order = "block"
 
     def harm(self):
-        self.cable.blocked = True
-        since = time.monotonic()
+        since = self.cable.order(self.order)
+        pause = self.rng.uniform(0.31, 1.4)
 
         def undo():
-            self.cable.blocked = False
+            time.sleep(max(0.0, since + pause - time.monotonic()))
+            self.cable.order("free")
         return since, undo
+
+
+class SerialHalfFrame(SerialBlocked):
+    name = "serial line blocked in the middle of a frame, then free again"
+    order = "half"
 
 
 class SerialUnplugged(OnSerial):
@@ -331,85 +342,95 @@ class SerialUnplugged(OnSerial):
     guard = "flight controller; bridge latches"
 
     def harm(self):
-        self.cable.cut()
-        return time.monotonic(), self.cable.plug
+        return self.cable.order("cut"), lambda: self.cable.order("plug")
 
 
-class SerialNoisy(OnSerial, Undisturbed):
+class SerialNoisy(OnSerial, Lasting):
     name = "serial line with a flipped bit in 30 % of the packets"
     promise = 0.30
     guard = "checksums; own deadline; at the worst flight controller"
-    trial = Undisturbed.trial
-    rises = False
 
-    def begin(self):
-        self.cable.noisy = True
-
-        def undo():
-            self.cable.noisy = False
-        return undo
+    def harm(self):
+        self.cable.order("noisy")
+        return None, lambda: self.cable.order("clean")
 
 
-class ClockStepped(Undisturbed):
+def preload(name):
+    return {"LD_PRELOAD": os.path.join(os.environ["SNAPWING_TEST_HELPERS"], f"lib{name}.so")}
+
+
+class ShortWrites(Lasting):
+    name = "every third frame written only in part"
+    guard = "bridge: the rest goes first"
+    promise = 0.06  # the safe frame itself may be one of them
+
+    def bench_options(self):
+        return {"line": "pty", "bridge_prefix": ["env", "LD_PRELOAD=" + preload("short_writes")["LD_PRELOAD"]]}
+
+
+class ClockStepped(Lasting):
     name = "wall clock jumps by an hour forth and back, seven times a second"
     guard = "only monotonic clocks count"
 
-    def bench_options(self, programs):
-        return {"environment": {"LD_PRELOAD": os.path.join(os.environ["SNAPWING_TEST_HELPERS"], "libstepped_clock.so")}}
+    def bench_options(self):
+        return {"environment": preload("stepped_clock")}
 
 
-class DiskFull(Undisturbed):
+class DiskFull(Lasting):
     name = "bridge's output goes to a full disk"
     guard = "bridge writes no files"
 
-    def bench_options(self, programs):
+    def bench_options(self):
         return {"bridge_prefix": ["sh", "-c", 'exec "$@" > /dev/full 2>&1', "bridge"]}
 
 
-class CpuStarved(Undisturbed):
+class CpuStarved(Lasting):
     name = "four busy processes on each core"
     guard = "real-time priority of the bridge; own deadline"
 
-    def begin(self):
-        hogs = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(4 * os.cpu_count())]
+    def __init__(self, programs, seed):
+        super().__init__(programs, seed)
+        self.hogs = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(4 * os.cpu_count())]
 
-        def undo():
-            for hog in hogs:
-                hog.kill()
-                hog.wait()
-        time.sleep(0.1)
-        return undo
-
-    rises = False
+    def close(self):
+        for hog in self.hogs:
+            hog.kill()
+            hog.wait()
+        super().close()
 
 
-class LogReplayed(Undisturbed):
+class LogReplayed(Lasting):
     name = "lcm-logplayer replays a recorded session into the live bridge"
     guard = "bridge: age, message numbers, session"
 
     def trial(self):
         bench = self.bench
         log = os.path.join(bench.home.name, "log")
-        logger = subprocess.Popen(["lcm-logger", "--quiet", "--force", "--lcm-url=" + bench.url, log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        logger = subprocess.Popen(["lcm-logger", "--quiet", "--force", "--lcm-url=" + bench.url, log], stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.DEVNULL)
         time.sleep(0.3)
         bench.arm(timeout=20)
         bench.pulse(1.0, 0.3)
-        time.sleep(0.6)
+        time.sleep(0.4)
         logger.send_signal(signal.SIGINT)
         logger.wait(5)
-        if self.rng.random() < 0.5:  # half of the time into a new session
+        new_session = self.rng.random() < 0.5
+        if new_session:
             bench.bridge.kill()
             bench.bridge = bench.start_bridge()
-            time.sleep(2.5)
+            wait_for(lambda: bench.fresh().get("state") == "idle", 5, "a new bridge is there")
         since = time.monotonic()
-        before = bench.status()["refused"]
+        before = bench.status()
         subprocess.run(["lcm-logplayer", "--lcm-url=" + bench.url, log], check=True, timeout=30, capture_output=True)
         time.sleep(0.2)
-        if bench.status()["refused"] <= before:
-            raise AssertionError("nothing of the log was refused")
-        return 0.0, bench.motors.highest(since)
+        after = bench.status()
+        if after["refused"] < before["refused"] + 20:
+            raise AssertionError(f"nothing of the log was refused: {before} {after}")
+        if after["pulse_id"] > before["pulse_id"] or (new_session and after["state"] != "idle"):
+            raise AssertionError(f"the log had an effect: {before} {after}")
+        return since, 0.0, bench.motors.highest(since)
 
 
 ALL = [BridgeKilled, BridgeStopped, BridgeTerminated, OperatorKilled, OperatorStopped, Aborted, DeadmanReleased, NetworkGone,
-       SerialBlocked, SerialUnplugged, SerialNoisy, Flood, Forged, Duplicated, Reordered, Replayed, Delayed, LogReplayed,
-       ClockStepped, DiskFull, CpuStarved]
+       SerialBlocked, SerialHalfFrame, ShortWrites, SerialUnplugged, SerialNoisy, Flood, Forged, Malformed, Duplicated, Reordered,
+       Replayed, Delayed, LogReplayed, ClockStepped, DiskFull, CpuStarved]

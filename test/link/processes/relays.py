@@ -1,15 +1,13 @@
 """Men in the middle for the fault table: one between the operator's and the bridge's LCM network, one on the serial line."""
-import contextlib
 import heapq
 import os
-import pty
-import random
 import select
 import socket
 import struct
 import threading
 import time
-import tty
+
+from link_bench import Process, wait_for
 
 GROUP = "239.255.76.67"
 
@@ -76,64 +74,22 @@ class LcmRelay:
 
 
 class SerialRelay:
-    """Two pseudo-terminals with a cable between: the bridge's end and the stand-in's end. The cable can be blocked (nobody
-    takes what is written), noisy, or cut (the bridge's device is gone)."""
+    """Two pseudo-terminals with a cable between, a process of its own (serial_cable.py): the bridge's end and the stand-in's end.
+    The cable can be blocked (nobody takes what is written), blocked in the middle of a frame, noisy, or cut (the bridge's
+    device is gone)."""
 
     def __init__(self, standin_link, folder):
-        self.far = os.open(standin_link, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-        tty.setraw(self.far)
         self.path = os.path.join(folder, "cable")
-        self.near = self.keep = None
-        self.blocked = self.noisy = False
-        self.rng = random.Random(7)
-        self.plug()
-        self.stop = False
-        self.thread = threading.Thread(target=self._run, daemon=True)
-        self.thread.start()
+        script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "serial_cable.py")
+        self.process = Process(["/usr/bin/python3", "-u", script, standin_link, self.path])
+        wait_for(lambda: os.path.exists(self.path), 10, "cable is there")
 
-    def plug(self):
-        near, slave = pty.openpty()
-        tty.setraw(slave)
-        os.set_blocking(near, False)
-        if os.path.islink(self.path):
-            os.unlink(self.path)
-        os.symlink(os.ttyname(slave), self.path)
-        self.keep, self.near = slave, near
-
-    def cut(self):
-        near, self.near = self.near, None
-        os.unlink(self.path)
-        os.close(near)
-        os.close(self.keep)
-
-    def _move(self, source, target, noisy):
-        try:
-            data = os.read(source, 4096)
-            if noisy and self.rng.random() < 0.3 and data:
-                spoilt = bytearray(data)
-                spoilt[self.rng.randrange(len(spoilt))] ^= 1 << self.rng.randrange(8)
-                data = bytes(spoilt)
-            os.write(target, data)
-        except (BlockingIOError, OSError):
-            pass
-
-    def _run(self):
-        with contextlib.suppress(PermissionError):  # a cable does not wait for a processor
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(65))
-        while not self.stop:
-            near = self.near
-            if near is None or self.blocked:
-                time.sleep(0.001)
-                continue
-            try:
-                ready = select.select([near, self.far], [], [], 0.01)[0]
-            except (OSError, ValueError):
-                continue
-            if near in ready:
-                self._move(near, self.far, self.noisy)
-            if self.far in ready:
-                self._move(self.far, near, self.noisy)
+    def order(self, words):
+        """@return the moment [s] at which it was done"""
+        said = len(self.process.lines)
+        self.process.send(words)
+        wait_for(lambda: len(self.process.lines) > said, 5, "cable: " + words)
+        return float(self.process.lines[-1])
 
     def close(self):
-        self.stop = True
-        self.thread.join(1)
+        self.process.kill()

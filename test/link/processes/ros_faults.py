@@ -1,13 +1,14 @@
 """Faults of the ROS side: planner, flight_link_node, ROS master. They need a sourced workspace with snapwing in it."""
+import contextlib
 import pathlib
-import random
 import signal
 import socket
-import subprocess
 import time
+import xmlrpc.client
 
-from link_bench import Bench, NotBegun, Process, free_port
-from link_faults import Fault, Undisturbed
+import yaml
+from link_bench import Bench, NotBegun, Process, free_port, wait_for
+from link_faults import Fault, Killed, Lasting, Stopped
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -16,33 +17,34 @@ class RosBench(Bench):
     """As Bench, with flight_link_node as the operator's end and a planner process in the console's place."""
 
     def start_console(self, prefix=()):
-        self.ros_port = free_port(socket.SOCK_STREAM)
-        self.environment.update(ROS_MASTER_URI=f"http://localhost:{self.ros_port}", ROS_HOSTNAME="localhost",
-                                ROS_LOG_DIR=self.home.name)
-        self.start_master()
-        self.start_node()
+        """The planner; the first time with all that it needs."""
+        return self.start_planner() if hasattr(self, "node") else self.start_ros()
+
+    def start_ros(self):
+        port = free_port(socket.SOCK_STREAM)
+        self.environment.update(ROS_MASTER_URI=f"http://localhost:{port}", ROS_HOSTNAME="localhost", ROS_LOG_DIR=self.home.name)
+        self.master = Process(["rosmaster", "--core", "-p", port], env=self.environment)
+        self.processes.append(self.master)
+        api = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
+
+        def answers():
+            with contextlib.suppress(OSError):
+                return api.getPid("/bench")[0] == 1
+        wait_for(answers, 20, "ROS master")
+        settings = yaml.safe_load((HERE.parents[2] / "config/nodes/flight_link_node.yaml").read_text())
+        for key, value in settings.items():
+            api.setParam("/bench", "/flight_link_node/" + key, value)
+        self.node = self.start_node()
         return self.start_planner()
 
-    def start_master(self):
-        self.master = Process(["rosmaster", "--core", "-p", self.ros_port], env=self.environment)
-        self.processes.append(self.master)
-        for _ in range(100):
-            if subprocess.run(["rosparam", "list"], env=self.environment, capture_output=True).returncode == 0:
-                break
-            time.sleep(0.1)
-        subprocess.run(["rosparam", "load", str(HERE.parents[2] / "config/nodes/flight_link_node.yaml"), "/flight_link_node"],
-                       env=self.environment, check=True, capture_output=True)
-
     def start_node(self):
-        self.node = self.start("flight_link_node", [f"_lcm_url:={self.url}", f"_key_file:={self.key}"])
+        return self.start("flight_link_node", [f"_lcm_url:={self.url}", f"_key_file:={self.key}"])
 
     def start_planner(self):
         planner = Process(["/usr/bin/python3", HERE / "ros_console.py"], self._status, env=self.environment)
         self.processes.append(planner)
         self.statuses.clear()
-        deadline = time.monotonic() + 15
-        while not self.statuses and time.monotonic() < deadline:
-            time.sleep(0.05)
+        wait_for(lambda: self.statuses, 20, "planner hears the node")
         time.sleep(0.3)  # the node's subscription to the new publisher
         return planner
 
@@ -63,110 +65,53 @@ class RosBench(Bench):
 
 
 class OnRos(Fault):
-    def __init__(self, programs, seed):
-        self.rng = random.Random(seed)
-        self.bench = RosBench(programs)
-        self.programs = programs
+    bench_kind = RosBench
 
 
-class NodeKilled(OnRos):
+class NodeKilled(OnRos, Killed):
     name = "flight_link_node: kill -9, then started again"
     promise = 0.25
     guard = "bridge: heartbeat timeout"
-
-    def harm(self):
-        self.bench.node.signal(signal.SIGKILL)
-        since = time.monotonic()
-
-        def undo():
-            self.bench.node.kill()
-            self.bench.start_node()
-            time.sleep(1.0)
-        return since, undo
+    victim = "node"
 
 
-class NodeStopped(OnRos):
+class NodeStopped(OnRos, Stopped):
     name = "flight_link_node: SIGSTOP, then SIGCONT"
     promise = 0.25
     guard = "bridge: heartbeat timeout, latched"
-
-    def harm(self):
-        self.bench.node.signal(signal.SIGSTOP)
-        since = time.monotonic()
-        pause = self.rng.uniform(0.3, 1.0)
-
-        def undo():
-            time.sleep(max(0.0, since + pause - time.monotonic()))
-            self.bench.node.signal(signal.SIGCONT)
-        return since, undo
+    victim = "node"
 
 
-class DuringPulse(OnRos, Undisturbed):
-    """Harm in the middle of a pulse that need not break it off."""
-    trial = Undisturbed.trial
-    guard = "bridge: own deadline"
-    pulse = 0.5
-    rises = False
-
-    def begin(self):
-        bench, rng = self.bench, self.rng
-        send = bench.console.send
-
-        def pulse_then_harm(line):
-            send(line)
-            time.sleep(rng.uniform(0.03, 0.45))
-            self.hurt()
-        bench.console.send = pulse_then_harm
-        return self.heal
+class PlannerKilled(OnRos, Lasting, Killed):
+    name = "planner: kill -9 in the middle of its pulse, then started again"
+    victim = "console"
+    pauses = (0.0,)
 
 
-class PlannerKilled(DuringPulse):
-    name = "planner: kill -9 in the middle of its pulse"
-
-    def hurt(self):
-        self.bench.console.signal(signal.SIGKILL)
-
-    def heal(self):
-        self.bench.console.kill()
-        self.bench.console = self.bench.start_planner()
-
-
-class PlannerStopped(DuringPulse):
+class PlannerStopped(OnRos, Lasting, Stopped):
     name = "planner: SIGSTOP in the middle of its pulse, then SIGCONT"
-
-    def hurt(self):
-        self.bench.console.signal(signal.SIGSTOP)
-
-    def heal(self):
-        self.bench.console.signal(signal.SIGCONT)
-        del self.bench.console.send
+    victim = "console"
 
 
-class MasterKilled(DuringPulse):
+class MasterKilled(OnRos, Lasting):
     name = "ROS master: kill -9 in the middle of a pulse"
 
-    def hurt(self):
-        self.bench.master.signal(signal.SIGKILL)
-
-    def heal(self):
+    def harm(self):
         """Without a master nothing of ROS can start again: all of it is replaced, bridge and controller stay."""
         bench = self.bench
-        for process in (bench.console, bench.node, bench.master):
-            process.kill()
-        bench.start_master()
-        bench.start_node()
-        bench.console = bench.start_planner()
+        bench.master.signal(signal.SIGKILL)
+
+        def undo():
+            time.sleep(0.3)
+            for process in (bench.console, bench.node, bench.master):
+                process.kill()
+            bench.console = bench.start_ros()
+        return None, undo
 
 
-class MasterStopped(DuringPulse):
+class MasterStopped(OnRos, Lasting, Stopped):
     name = "ROS master: SIGSTOP in the middle of a pulse, then SIGCONT"
-
-    def hurt(self):
-        self.bench.master.signal(signal.SIGSTOP)
-
-    def heal(self):
-        self.bench.master.signal(signal.SIGCONT)
-        del self.bench.console.send
+    victim = "master"
 
 
 ALL = [NodeKilled, NodeStopped, PlannerKilled, PlannerStopped, MasterKilled, MasterStopped]

@@ -1,0 +1,92 @@
+"""A serial cable between the stand-in's pseudo-terminal and one that it makes for the bridge; a process of its own, so that
+nothing else holds it up. usage: serial_cable.py STANDIN_END BRIDGE_END. Orders, one a line on standard input: block, half (pass a
+part of the next frame, then block), free, noisy, clean, cut, plug. Each is answered with the time at which it was done."""
+import contextlib
+import os
+import pty
+import random
+import select
+import sys
+import time
+import tty
+
+from link_bench import be_firm
+
+SPOILT = 0.3  # share of packets with a flipped bit while noisy
+
+
+class Cable:
+    def __init__(self, standin_end, bridge_end):
+        self.far = os.open(standin_end, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        tty.setraw(self.far)
+        self.path = bridge_end
+        self.near = self.keep = None
+        self.blocked = self.half = self.noisy = False
+        self.rest = b""
+        self.rng = random.Random()
+        self.plug()
+
+    def plug(self):
+        near, slave = pty.openpty()
+        tty.setraw(slave)
+        os.set_blocking(near, False)
+        os.symlink(os.ttyname(slave), self.path)
+        self.keep, self.near = slave, near
+
+    def cut(self):
+        near, self.near = self.near, None
+        os.unlink(self.path)
+        os.close(near)
+        os.close(self.keep)
+
+    def obey(self, order):
+        """@return whether it is done now; half is done with the next frame"""
+        if order in ("block", "free"):
+            self.blocked = order == "block"
+        if order == "free" and self.rest:
+            os.write(self.far, self.rest)
+            self.rest = b""
+        if order in ("noisy", "clean"):
+            self.noisy = order == "noisy"
+        if order == "half":
+            self.half = True
+        if order == "cut":
+            self.cut()
+        if order == "plug":
+            self.plug()
+        return order != "half"
+
+    def move(self, source, target):
+        with contextlib.suppress(BlockingIOError, OSError):
+            data = os.read(source, 4096)
+            if self.noisy and self.rng.random() < SPOILT and data:
+                spoilt = bytearray(data)
+                spoilt[self.rng.randrange(len(spoilt))] ^= 1 << self.rng.randrange(8)
+                data = bytes(spoilt)
+            if self.half and target == self.far and len(data) > 1:
+                part = self.rng.randrange(1, len(data))
+                data, self.rest = data[:part], data[part:]
+                self.half, self.blocked = False, True
+                print(time.monotonic())
+            os.write(target, data)
+
+    def run(self):
+        while True:
+            ends = [] if self.near is None or self.blocked else [self.near, self.far]
+            ready = select.select([*ends, 0], [], [])[0]
+            if 0 in ready:
+                order = sys.stdin.readline().strip()
+                if not order:
+                    return
+                if self.obey(order):
+                    print(time.monotonic())
+                continue
+            if self.near in ready:
+                self.move(self.near, self.far)
+            if self.far in ready:
+                self.move(self.far, self.near)
+
+
+if __name__ == "__main__":
+    be_firm(0, 65)
+    Cable(sys.argv[1], sys.argv[2]).run()
