@@ -11,6 +11,7 @@ find_package(Boost REQUIRED)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
+find_package(PNG REQUIRED)
 find_program(LCM_GEN lcm-gen REQUIRED)
 
 # SuiteSparse ships no CMake files on Debian 12. OpenBLAS is named explicitly: the reference BLAS is several times slower.

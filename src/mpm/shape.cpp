@@ -33,6 +33,26 @@ class Disc : public Shape {
   double x_, y_, radius_;
 };
 
+class Cylinder : public Shape {
+ public:
+  Cylinder(const Point3& from, const Point3& to, double radius)
+      : from_(from), axis_((to - from).normalized()), length_((to - from).norm()), radius_(radius) {}
+  bool contains(const Point3& p) const override {
+    const double along = axis_.dot(p - from_);
+    return along >= 0 && along <= length_ && (p - from_ - along * axis_).norm() <= radius_;
+  }
+  Box bounds() const override {
+    // A disc with normal n reaches radius sqrt(1 - n_a^2) along axis a.
+    const Point3 reach = radius_ * (Point3::Ones() - axis_.cwiseAbs2()).cwiseMax(0).cwiseSqrt();
+    const Point3 to = from_ + length_ * axis_;
+    return {from_.cwiseMin(to) - reach, from_.cwiseMax(to) + reach};
+  }
+
+ private:
+  Point3 from_, axis_;
+  double length_, radius_;
+};
+
 class Polygon : public Shape {
  public:
   explicit Polygon(const std::vector<Eigen::Vector2d>& corners) : corners_(corners) {
@@ -150,6 +170,10 @@ class Combined : public Shape {
 
 ShapePtr makeBox(const Box& box) { return std::make_shared<BoxShape>(box); }
 ShapePtr makeDisc(double x, double y, double radius) { return std::make_shared<Disc>(x, y, radius); }
+ShapePtr makeCylinder(const Point3& from, const Point3& to, double radius) {
+  return std::make_shared<Cylinder>(from, to, radius);
+}
+
 ShapePtr makePolygon(const std::vector<Eigen::Vector2d>& corners) { return std::make_shared<Polygon>(corners); }
 ShapePtr makeCosineBeam(double span, const std::vector<double>& amplitudes, double thickness) {
   return std::make_shared<CosineBeam>(span, amplitudes, thickness);

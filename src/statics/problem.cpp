@@ -74,27 +74,37 @@ void SolidProblem<D>::gatherHessian(const std::vector<double>& blocks, std::vect
 }
 
 template <int D>
+Eigen::VectorXd SolidProblem<D>::padded(const Eigen::VectorXd& forces) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(reduction_.dofCount());
+  result.head(forces.size()) = forces;
+  return result;
+}
+
+template <int D>
 void SolidProblem<D>::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const {
   out.displacements = reduction_.expand(z, p);
+  out.displacements.conservativeResize(solid_->dofCount());
   solid_->assemble(out.displacements, order, threads_, out.assembly);
   out.finite = out.assembly.finite;
   out.elastic_energy = out.energy = out.assembly.energy;
   out.force_scale = out.assembly.force_scale;
   out.min_det_f = out.assembly.min_det_f;
   out.min_det_f_cell = out.assembly.min_det_f_cell;
-  const bool loaded = loads_.size() > 0;
+  const bool driven = loads_.size() > 0, loaded = driven || dead_load_.size() > 0;
   Eigen::VectorXd load;
   if (loaded) {
-    load = loads_ * p;
+    load = dead_load_.size() > 0 ? dead_load_ : Eigen::VectorXd::Zero(solid_->dofCount());
+    if (driven) load += loads_ * p;
     out.energy -= load.dot(out.displacements);
   }
   if (order == Order::ENERGY || !out.finite) return;
   Eigen::VectorXd force = out.assembly.gradient;
   if (loaded) force -= load;
+  force = padded(force);
   out.residual = reduction_.restrictToFree(force);
   out.control_force = reduction_.restrictToControl(force);
+  if (driven) out.control_force -= loads_.transpose() * out.displacements;
   if (loaded) {
-    out.control_force -= loads_.transpose() * out.displacements;
     out.force_scale = std::max(out.force_scale, load.norm());
   }
   if (order == Order::TANGENT || order == Order::PROJECTED) gatherHessian(out.assembly.blocks, out.hessian);
@@ -103,9 +113,11 @@ void SolidProblem<D>::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& 
 template <int D>
 void SolidProblem<D>::controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                                      Eigen::VectorXd& control_part) const {
-  const Eigen::VectorXd du = reduction_.expandDirection(Eigen::VectorXd::Zero(freeCount()), dp);
+  Eigen::VectorXd du = reduction_.expandDirection(Eigen::VectorXd::Zero(freeCount()), dp);
+  du.conservativeResize(solid_->dofCount());
   Eigen::VectorXd df = solid_->pattern().multiply(at.assembly.blocks, du);
   if (loads_.size() > 0) df -= loads_ * dp;
+  df = padded(df);
   free_part = reduction_.restrictToFree(df);
   control_part = reduction_.restrictToControl(df);
   if (loads_.size() > 0) control_part -= loads_.transpose() * du;

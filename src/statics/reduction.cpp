@@ -26,7 +26,9 @@ struct Affine {
 
 class Elimination {
  public:
-  /// @return false if the equation followed from earlier ones
+  explicit Elimination(int kept_from) : kept_from_(kept_from) {}
+
+  /// @return false if the equation followed from earlier ones, or left only kept dofs
   bool add(const Equation& equation) {
     Affine rest;  // sum terms - control - constant = 0
     double size = 0;
@@ -43,22 +45,39 @@ class Elimination {
     rest.constant -= equation.constant;
     const int pivot = choosePivot(rest, size);
     if (pivot < 0) {
-      checkConsistent(rest, equation);
+      if (!keepsRest(rest, size, equation)) checkConsistent(rest, equation);
       return false;
     }
     eliminate(pivot, rest, size);
     return true;
   }
   const std::map<int, Affine>& slaves() const { return slaves_; }
+  const std::vector<Equation>& unresolved() const { return unresolved_; }
 
  private:
   static constexpr double ROUNDING = 1e-10;
 
-  static int choosePivot(const Affine& rest, double size) {
+  /// Stores what is left in kept dofs, if anything.
+  bool keepsRest(const Affine& rest, double size, const Equation& equation) {
+    Equation left;
+    left.name = equation.name;
+    for (const auto& [dof, value] : rest.terms) {
+      if (std::abs(value) > ROUNDING * size) left.terms.emplace_back(dof, value);
+    }
+    if (left.terms.empty()) return false;
+    for (const auto& [k, value] : rest.control) {
+      if (std::abs(value) > ROUNDING * size) left.control.emplace_back(k, -value);
+    }
+    left.constant = -rest.constant;
+    unresolved_.push_back(std::move(left));
+    return true;
+  }
+
+  int choosePivot(const Affine& rest, double size) const {
     int pivot = -1;
     double best = ROUNDING * size;
     for (const auto& [dof, value] : rest.terms) {
-      if (std::abs(value) > best * (1 + 1e-9)) {
+      if (dof < kept_from_ && std::abs(value) > best * (1 + 1e-9)) {
         best = std::abs(value);
         pivot = dof;
       }
@@ -101,20 +120,23 @@ class Elimination {
     slaves_.emplace(pivot, std::move(slave));
   }
 
+  int kept_from_;
+  std::vector<Equation> unresolved_;
   std::map<int, Affine> slaves_;
   std::map<int, std::set<int>> users_;  ///< free dof -> slaves that depend on it
 };
 
 }  // namespace
 
-Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equations)
+Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equations, int kept_from)
     : dofs_(dofs), controls_(controls) {
-  Elimination elimination;
+  Elimination elimination(kept_from < 0 ? dofs : kept_from);
   for (std::size_t n = 0; n < equations.size(); ++n) {
     if (elimination.add(equations[n])) continue;
     redundant_.push_back(equations[n].name);
     redundant_numbers_.push_back(static_cast<int>(n));
   }
+  unresolved_ = elimination.unresolved();
   std::vector<int> free_of_dof(dofs, -1);
   for (int dof = 0; dof < dofs; ++dof) {
     if (elimination.slaves().count(dof)) continue;

@@ -12,8 +12,8 @@ using elasticity::Part;
 using mpm::Vector;
 
 template <int D>
-SceneCells<D>::SceneCells(const Scene& scene, bool half)
-    : scene_(scene), half_(half), solid_(std::make_shared<mpm::Discretisation<D>>()) {
+SceneCells<D>::SceneCells(const Scene& scene, const Mirror& mirror)
+    : scene_(scene), mirror_(mirror), solid_(std::make_shared<mpm::Discretisation<D>>()) {
   const int n = scene.particles;
   int count = 1;
   for (int a = 0; a < D; ++a) count *= n;
@@ -64,7 +64,9 @@ mpm::Grid<D> SceneCells<D>::makeGrid(int number) const {
     box.high(2) = 0.5 * thickest;
     box.low(2) = -box.high(2);
   }
-  if (half_) box.low(2) = 0;
+  for (int a = 0; a < D; ++a) {
+    if (mirror_.has(a)) box.low(a) = mirror_.at[a];
+  }
   mpm::Grid<D> grid;
   grid.kernel = scene_.kernel == SceneKernel::QUADRATIC ? mpm::Kernel::QUADRATIC : mpm::Kernel::LINEAR;
   grid.cell_size = scene_.cell_size;
@@ -98,11 +100,18 @@ void SceneCells<D>::addFullKind(const mpm::Grid<D>& grid) {
   const int points = scene_.kernel == SceneKernel::QUADRATIC && D == 2 ? 3 : 2;
   std::vector<mpm::Term> terms = {{solid_->addRule(mpm::gaussRule<D>(grid, points)), models_[0]}};
   if (reduced()) terms.push_back({solid_->addRule(mpm::gaussRule<D>(grid, 1)), models_[1]});
-  full_kind_ = solid_->addKind(terms);
+  full_kind_ = addKind(terms);
 }
 
 template <int D>
-int SceneCells<D>::cutKind(const mpm::Grid<D>& grid, const std::vector<bool>& inside) {
+typename SceneCells<D>::Kind SceneCells<D>::addKind(std::vector<mpm::Term> terms) {
+  const int rule = terms[0].rule;
+  if (rigid_) terms.clear();
+  return {solid_->addKind(terms), rule};
+}
+
+template <int D>
+typename SceneCells<D>::Kind SceneCells<D>::cutKind(const mpm::Grid<D>& grid, const std::vector<bool>& inside) {
   const auto found = cut_kinds_.find(inside);
   if (found != cut_kinds_.end()) return found->second;
   std::vector<Vector<D>> local;
@@ -120,13 +129,14 @@ int SceneCells<D>::cutKind(const mpm::Grid<D>& grid, const std::vector<bool>& in
     terms.push_back(
         {solid_->addRule(mpm::makeRule<D>(grid, {centroid}, {share * static_cast<double>(local.size())})), models_[1]});
   }
-  return cut_kinds_[inside] = solid_->addKind(terms);
+  return cut_kinds_[inside] = addKind(terms);
 }
 
 template <int D>
 void SceneCells<D>::addBody(int number) {
   const SceneBody& body = scene_.bodies[number];
   const mpm::Grid<D> grid = makeGrid(number);
+  rigid_ = body.rigid;
   models_ = addModels(body);
   cut_kinds_.clear();
   addFullKind(grid);
@@ -153,7 +163,9 @@ void SceneCells<D>::addBody(int number) {
     }
     const bool full = count == static_cast<int>(samples_.size());
     const double density = fields_[number].value.empty() ? 1.0 : fields_[number].at(at[0], at[1]);
-    solid_->addCell(at, {full ? full_kind_ : cutKind(grid, inside), density, measure});
+    const Kind kind = full ? full_kind_ : cutKind(grid, inside);
+    solid_->addCell(at, {kind.kind, density, measure});
+    cell_rule_.push_back(kind.rule);
     ++added;
   }
   if (added == 0)

@@ -3,24 +3,12 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
+#include "scene_text.h"
 #include "snapwing/common/error.h"
-#include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::statics {
 namespace {
-
-const std::string SCENES = std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/";
-
-Scene sceneFromText(const std::string& text) {
-  const std::string path =
-      ::testing::TempDir() + "scene_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
-  std::ofstream(path) << text;
-  return loadScene(path);
-}
-
-SceneCurve trace(const Scene& scene) { return traceScene(scene, *compileScene(scene, 1), {}, {}); }
 
 TEST(Scene, EveryShippedSceneLoads) {
   int count = 0;
@@ -90,14 +78,6 @@ TEST(Scene, CookMembraneMeetsTheReference) {
     ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
     EXPECT_NEAR(curve.monitors.back()[0], c.value, c.tolerance * c.value) << c.file;
   }
-}
-
-std::string box(const std::string& kernel, int dimension, const std::string& more) {
-  const bool space = dimension == 3;
-  return "scene: box\nlength_unit: mm\ndimension: " + std::to_string(dimension) + (space ? "\n" : "\nplane: stress\n") +
-         "kernel: " + kernel + "\ncell_size: 1\n" +
-         "bodies:\n  block:\n    material: {youngs_modulus: 5.5e+6, poisson_ratio: 0.48}\n    thickness: 2\n" +
-         "    shape: {box: {x: [0, 3], y: [0, 2]}}\n" + more;
 }
 
 /// Uniaxial stretch: P = mu (l - 1/l) + lambda ln J / l with mu (t^2 - 1) + lambda ln J = 0, J = l t^2.

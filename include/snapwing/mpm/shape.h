@@ -30,6 +30,8 @@ using ShapePtr = std::shared_ptr<const Shape>;
 ShapePtr makeBox(const Box& box);
 /// Circular cylinder along z (a disc, if planar), unbounded along z. @param radius  [m] > 0
 ShapePtr makeDisc(double x, double y, double radius);
+/// Circular cylinder between the centres of its end faces, which differ. @param radius  [m] > 0
+ShapePtr makeCylinder(const Point3& from, const Point3& to, double radius);
 /// Simple polygon by its corners in order, unbounded along z. @throws common::Error below three corners
 ShapePtr makePolygon(const std::vector<Eigen::Vector2d>& corners);
 /// Curved beam of constant thickness t along the normal of y = sum_k a_k (1 - cos(2 pi (k+1) x / span)), 0 <= x <=

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "snapwing/elasticity/constitutive_model.h"
@@ -29,6 +30,7 @@ struct Evaluation {
   bool finite = false;
   mpm::Assembly assembly;         ///< of solids
   Eigen::VectorXd displacements;  ///< of solids [m]
+  Eigen::VectorXd coordinates;    ///< z, where a problem's coordinates are not linear in those of its solids
 };
 
 class TiedProblem;
@@ -51,7 +53,8 @@ class Problem {
   virtual std::string describeCell(int cell) const = 0;
 };
 
-/// Solids under linear constraints and dead loads: Pi = E(u) - p^T L^T u, u = T z + B p + c.
+/// Solids under linear constraints and dead loads: Pi = E(u) - (l + L p)^T u, u = T z + B p + c. The reduction may hold
+/// further dofs behind those of the solid's nodes.
 template <int D>
 class SolidProblem : public Problem {
  public:
@@ -61,6 +64,9 @@ class SolidProblem : public Problem {
   /// @param floor     smallest force that counts [N]
   SolidProblem(std::shared_ptr<const mpm::Discretisation<D>> solid, Reduction reduction, Eigen::MatrixXd loads,
                int threads, double floor);
+
+  /// Nodal forces that act whatever the controls are [N], (dofs of the solid x 1): Pi is less by l^T u.
+  void setDeadLoad(Eigen::VectorXd load) { dead_load_ = std::move(load); }
 
   int freeCount() const override { return reduction_.freeCount(); }
   int controlCount() const override { return reduction_.controlCount(); }
@@ -76,11 +82,14 @@ class SolidProblem : public Problem {
 
  private:
   void buildPattern();
+  /// Nodal forces with zeros for dofs of the reduction that are no node's.
+  Eigen::VectorXd padded(const Eigen::VectorXd& forces) const;
   void gatherHessian(const std::vector<double>& blocks, std::vector<double>& values) const;
 
   std::shared_ptr<const mpm::Discretisation<D>> solid_;
   Reduction reduction_;
   Eigen::MatrixXd loads_;
+  Eigen::VectorXd dead_load_;  ///< or empty
   int threads_;
   double floor_;
   SparsePattern pattern_;

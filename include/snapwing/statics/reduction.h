@@ -22,11 +22,16 @@ struct Equation {
 class Reduction {
  public:
   /// @throws common::Error naming the equation that contradicts earlier ones
-  Reduction(int dofs, int controls, const std::vector<Equation>& equations);
+  /// @param kept_from  dofs from here on are never eliminated; -1: there are none such
+  Reduction(int dofs, int controls, const std::vector<Equation>& equations, int kept_from = -1);
 
   int dofCount() const { return dofs_; }
   int freeCount() const { return static_cast<int>(dof_of_free_.size()); }
   int controlCount() const { return controls_; }
+  /// What is left of equations in which nothing but kept dofs remained.
+  const std::vector<Equation>& unresolved() const { return unresolved_; }
+  /// Dof that a free coordinate is.
+  int dofOfFree(int z) const { return dof_of_free_[z]; }
   /// Equations that followed from others.
   const std::vector<std::string>& redundant() const { return redundant_; }
   const std::vector<int>& redundantNumbers() const { return redundant_numbers_; }  ///< in the list given
@@ -51,6 +56,7 @@ class Reduction {
   std::vector<double> constant_;                              ///< per slave
   std::vector<std::string> redundant_;
   std::vector<int> redundant_numbers_;
+  std::vector<Equation> unresolved_;
 };
 
 }  // namespace snapwing::statics

@@ -19,9 +19,13 @@ using mpm::Point3;
 
 enum class SceneKernel { LINEAR, LINEAR_REDUCED, QUADRATIC };
 
+/// Which mirror planes of a scene are looked for: none, z (half the thickness of a solid), or x, y and z.
+enum class SymmetryUse { NONE, THICKNESS, ALL };
+
 struct SceneBody {
   std::string name;
-  elasticity::Material material;
+  elasticity::Material material;  ///< of a rigid body only the mass density counts
+  bool rigid = false;
   mpm::ShapePtr shape;                               ///< null if given by a density
   mpm::DensityField density;                         ///< empty value if given by a shape
   double thickness = 0;                              ///< [m] along z; planar: of the slice
@@ -39,7 +43,7 @@ struct SceneSupport {
   std::vector<int> axes;
 };
 
-enum class PinKind { LINE, MEAN };
+enum class PinKind { LINE, MEAN, CYLINDER };
 
 /// An axle along z that the body may turn about.
 struct ScenePin {
@@ -47,14 +51,16 @@ struct ScenePin {
   int body = 0;
   double x = 0, y = 0;
   PinKind kind = PinKind::LINE;
-  double radius = 0;  ///< [m] of the section that a mean is taken over
+  double radius = 0;  ///< [m] of the section: what a mean is taken over, or what turns as a rigid cylinder
 };
 
-/// The same material point of two bodies (a line along z if volumetric).
+/// The same material point of two bodies; volumetric: a line along z through the thickness, or a segment.
 struct SceneJoint {
   std::string name;
   int first = 0, second = 0;
   double x = 0, y = 0;
+  bool segment = false;
+  Point3 from = Point3::Zero(), to = Point3::Zero();  ///< ends of the segment
 };
 
 /// A rigid face that moves by `control * direction`; cross motion is held or free.
@@ -66,12 +72,13 @@ struct ScenePort {
   bool cross_free = false;
 };
 
-/// Uniform traction on a face; `force` is its total for control = 1.
+/// Uniform traction on a face; `force` is its total: for control = 1, or whatever the control is if constant.
 struct SceneLoad {
   std::string name;
   int body = 0;
   Box region;
   Point3 force = Point3::Zero();
+  bool constant = false;
 };
 
 /// Displacement of a point, or best-fit rotation about it of what lies within a radius.
@@ -91,7 +98,7 @@ struct Scene {
   double cell_size = 0;             ///< [m]
   int particles = 4;                ///< per axis in cut cells
   double smallest_fraction = 0.02;  ///< cells filled less are left out
-  bool use_symmetry = true;
+  SymmetryUse use_symmetry = SymmetryUse::THICKNESS;
   elasticity::DensityInterpolation interpolation;
   std::vector<SceneBody> bodies;
   std::vector<SceneSupport> supports;
@@ -100,6 +107,7 @@ struct Scene {
   std::vector<SceneJoint> joints;
   std::vector<ScenePort> ports;  ///< all follow the one control
   std::vector<SceneLoad> loads;
+  Point3 gravity = Point3::Zero();  ///< [m/s2] on every body's mass, whatever the control is
   std::vector<SceneMonitor> monitors;
   bool control_is_length = true;  ///< else a load factor [1]
   double to = 0;                  ///< the path leads from 0 to here

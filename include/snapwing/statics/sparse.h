@@ -2,6 +2,7 @@
 /// Sparse symmetric matrices in compressed columns (lower triangle) and their Cholesky factor (CHOLMOD).
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -13,6 +14,11 @@ struct SparsePattern {
   std::vector<int> start;  ///< size + 1
   std::vector<int> row;
   int entries() const { return static_cast<int>(row.size()); }
+  /// Place of an entry that exists, row >= column.
+  int find(int row_number, int column) const {
+    return static_cast<int>(std::lower_bound(row.begin() + start[column], row.begin() + start[column + 1], row_number) -
+                            row.begin());
+  }
   /// y = A x with A symmetric.
   Eigen::VectorXd multiply(const std::vector<double>& values, const Eigen::VectorXd& x) const;
 };

@@ -1,0 +1,34 @@
+#pragma once
+/// Watertight triangle meshes as shapes.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "snapwing/mpm/shape.h"
+
+namespace snapwing::mpm {
+
+struct TriangleMesh {
+  std::vector<Point3> vertices;  ///< [m], each place once
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// What keeps a mesh from enclosing a volume, by number of edges.
+struct MeshDefects {
+  int open = 0;         ///< edges of one triangle
+  int shared_more = 0;  ///< edges of more than two
+  int turned = 0;       ///< edges whose two triangles disagree on the outside
+  int degenerate = 0;   ///< triangles with a corner twice
+};
+
+/// Reads ASCII or binary STL; corners at the same place become one vertex. @param unit  [m] per unit of the file
+/// @throws common::FileError if it is missing, truncated or no STL
+TriangleMesh readStl(const std::string& path, double unit);
+MeshDefects findDefects(const TriangleMesh& mesh);
+/// @throws common::Error naming the defects if the mesh is not closed and consistently turned
+ShapePtr makeMesh(TriangleMesh mesh, const std::string& name);
+/// readStl and makeMesh. @throws common::FileError
+ShapePtr loadStl(const std::string& path, double unit);
+
+}  // namespace snapwing::mpm

@@ -1,0 +1,470 @@
+#include "scene_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::statics {
+
+using mpm::Vector;
+
+namespace {
+
+/// The axis along which a region is flat, or -1.
+template <int D>
+int flatAxis(const Box& region) {
+  for (int a = 0; a < D; ++a) {
+    if (std::isfinite(region.low(a)) && region.low(a) == region.high(a)) return a;
+  }
+  return -1;
+}
+
+template <int D>
+int strideOf(const mpm::Grid<D>& grid, int axis) {
+  int stride = 1;
+  for (int a = 0; a < axis; ++a) stride *= grid.nodesAlong(a);
+  return stride;
+}
+template <int D>
+int layerOf(const mpm::Grid<D>& grid, int number, int axis) {
+  return number / strideOf(grid, axis) % grid.nodesAlong(axis);
+}
+/// Layers of nodes along an axis that carry the field at a coordinate, with their weights.
+template <int D>
+std::vector<std::pair<int, double>> layers(const mpm::Grid<D>& grid, int axis, double at) {
+  const double scaled = (at - grid.origin(axis)) / grid.cell_size;
+  if (scaled < -1e-6 || scaled > grid.cells[axis] + 1e-6) return {};
+  const int cell = std::min(std::max(static_cast<int>(std::floor(scaled + 1e-6)), 0), grid.cells[axis] - 1);
+  std::array<double, 3> value{}, slope{};
+  mpm::axisKernel(grid.kernel, std::min(std::max(scaled - cell, 0.0), 1.0), value, slope);
+  std::vector<std::pair<int, double>> result;
+  for (int k = 0; k < mpm::nodesPerAxis(grid.kernel); ++k) {
+    if (value[k] > 1e-6) result.emplace_back(cell + k, value[k]);
+  }
+  return result;
+}
+
+template <int D>
+void addTerms(Equation& equation, const std::vector<std::pair<int, double>>& group, int axis, double factor) {
+  for (const auto& [node, weight] : group) equation.terms.emplace_back(D * node + axis, factor * weight);
+}
+
+}  // namespace
+
+template <int D>
+Constraints<D>::Constraints(const Scene& scene, const SceneCells<D>& cells)
+    : scene_(scene), cells_(cells), solid_(*cells.solid()) {
+  findGroups();
+}
+
+template <int D>
+std::vector<Equation> Constraints<D>::equations() const {
+  std::vector<Equation> list;
+  for (const RigidGroup& group : groups_) moveRigidly(group, list);
+  for (const SceneSupport& s : scene_.supports) hold(s, true, list);
+  for (const SceneSupport& s : scene_.symmetry) hold(s, true, list);
+  for (int axis = 0; axis < D; ++axis) {
+    for (int body = 0; cells_.mirror().has(axis) && body < solid_.bodyCount(); ++body) {
+      SceneSupport plane{cells_.mirror().name(axis), body, {}, {axis}};
+      plane.region.low(axis) = plane.region.high(axis) = cells_.mirror().at[axis];
+      hold(plane, false, list);
+    }
+  }
+  std::size_t held = list.size();
+  const auto markTies = [&] {
+    for (; held < list.size(); ++held) list[held].tie = true;
+  };
+  for (const ScenePort& port : scene_.ports) drive(port, list);
+  markTies();
+  for (const ScenePin& pin : scene_.pins) addPin(pin, list);
+  held = list.size();
+  for (const SceneJoint& joint : scene_.joints) addJoint(joint, list);
+  markTies();
+  return list;
+}
+
+template <int D>
+void Constraints<D>::addGroup(const std::string& name, int body, std::vector<int> nodes,
+                              std::vector<Eigen::Vector3d> axes) {
+  RigidGroup group{name, body, std::move(nodes), Eigen::Vector3d::Zero(), 0, {}};
+  for (const int node : group.nodes) group.centre.template head<D>() += solid_.position(node);
+  group.centre /= static_cast<double>(group.nodes.size());
+  double length = 0;
+  for (const int node : group.nodes) {
+    length = std::max(length, (solid_.position(node) - group.centre.template head<D>()).norm());
+  }
+  group.turning.length = length > 0 ? length : scene_.cell_size;
+  group.turning.axes = std::move(axes);
+  groups_.push_back(std::move(group));
+}
+
+template <int D>
+void Constraints<D>::findGroups() {
+  using Eigen::Vector3d;
+  for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
+    if (!scene_.bodies[body].rigid) continue;
+    std::vector<int> nodes;
+    for (int node = 0; node < solid_.nodeCount(); ++node) {
+      if (solid_.nodeBody(node) == body) nodes.push_back(node);
+    }
+    std::vector<Vector3d> axes = {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
+    if (D == 2) axes = {Vector3d::UnitZ()};
+    addGroup(scene_.bodies[body].name, body, nodes, axes);
+  }
+  for (const ScenePin& pin : scene_.pins) {
+    if (pin.kind == PinKind::CYLINDER) makeCylinder(pin);
+  }
+  int next = solid_.dofCount();
+  for (RigidGroup& group : groups_) {
+    group.translation = next;
+    next += D;
+  }
+  for (RigidGroup& group : groups_) {
+    group.turning.first = next;
+    next += D * D;
+  }
+}
+
+/// The nodes of a section become a group that may turn about the pin's axis only.
+template <int D>
+void Constraints<D>::makeCylinder(const ScenePin& pin) {
+  for (RigidGroup& group : groups_) {
+    if (group.body != pin.body || !scene_.bodies[pin.body].rigid) continue;
+    group.turning.axes = {Eigen::Vector3d::UnitZ()};  // a rigid body needs no section of its own
+    return;
+  }
+  std::vector<int> nodes;
+  for (int node = 0; node < solid_.nodeCount(); ++node) {
+    if (solid_.nodeBody(node) != pin.body) continue;
+    const auto& x = solid_.position(node);
+    if (std::hypot(x(0) - pin.x, x(1) - pin.y) <= pin.radius * (1 + 1e-9)) nodes.push_back(node);
+  }
+  std::map<std::pair<long, long>, int> columns;
+  for (const int node : nodes) {
+    const auto& x = solid_.position(node);
+    columns[{std::lround(x(0) / scene_.cell_size * 4), std::lround(x(1) / scene_.cell_size * 4)}] = node;
+  }
+  if (columns.size() < 3) {
+    throw common::Error("'" + pin.name + "': radius " + std::to_string(pin.radius) + " m holds " +
+                        std::to_string(columns.size()) +
+                        " of the grid's nodes in its section; allowed: at least 3 "
+                        "(a radius of one cell_size, " +
+                        std::to_string(scene_.cell_size) + " m, within the material)");
+  }
+  addGroup(pin.name, pin.body, nodes, {Eigen::Vector3d::UnitZ()});
+}
+
+template <int D>
+void Constraints<D>::moveRigidly(const RigidGroup& group, std::vector<Equation>& list) const {
+  const Turning& t = group.turning;
+  for (const int node : group.nodes) {
+    const Vector<D> arm = (solid_.position(node) - group.centre.template head<D>()) / t.length;
+    for (int i = 0; i < D; ++i) {
+      Equation equation;
+      equation.name = group.name;
+      equation.terms = {{D * node + i, 1.0}, {group.translation + i, -1.0}};
+      for (int j = 0; j < D; ++j) equation.terms.emplace_back(t.first + i + D * j, -arm(j));
+      list.push_back(equation);
+    }
+  }
+}
+
+template <int D>
+std::vector<Turning> Constraints<D>::turnings(const std::vector<Equation>& unresolved) const {
+  std::vector<std::vector<Equation>> of_group(groups_.size());
+  for (const Equation& equation : unresolved) {
+    const int group = (equation.terms.front().first - keptFrom()) / (D * D);
+    const int last = (equation.terms.back().first - keptFrom()) / (D * D);
+    if (group != last) {
+      throw common::Error("'" + equation.name + "' closes a chain of rigid parts ('" + groups_[group].name + "', '" +
+                          groups_[last].name + "'); allowed: chains that are open, or with a flexible body in them");
+    }
+    if (!equation.control.empty() || std::abs(equation.constant) > 1e-12) {
+      throw common::Error("'" + equation.name + "' would drive the rotation of the rigid '" + groups_[group].name +
+                          "'; allowed: ports that move rigid bodies without turning them, or through a flexible body");
+    }
+    of_group[group].push_back(equation);
+  }
+  std::vector<Turning> result;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    result.push_back(groups_[g].turning);
+    result.back().axes = openAxes<D>(result.back(), of_group[g], result.back().axes, groups_[g].name);
+  }
+  return result;
+}
+
+/// Groups of nodes whose weighted sum is the displacement of a line of the face (or of one node of a region).
+template <int D>
+std::vector<typename Constraints<D>::Weights> Constraints<D>::regionGroups(int body, const Box& region) const {
+  const mpm::Grid<D>& grid = solid_.grid(body);
+  const int axis = flatAxis<D>(region);
+  std::vector<Weights> result;
+  Vector<D> low = grid.origin, high = grid.origin;
+  for (int a = 0; a < D; ++a) high(a) += grid.cell_size * grid.cells[a];
+  Weights along;  // layers of nodes and their weights at the face
+  if (axis >= 0) along = layers(grid, axis, region.low(axis));
+  for (int number = 0; number < grid.nodeCount(); ++number) {
+    const int node = solid_.findNode(body, number);
+    if (node < 0) continue;
+    // Nodes of the smooth kernel lie outside of the grid by half a cell: they count as on its faces.
+    Point3 x = Point3::Zero();
+    x.head<D>() = grid.nodePosition(number).cwiseMax(low).cwiseMin(high);
+    if (axis >= 0) {
+      if (along.empty() || layerOf(grid, number, axis) != along[0].first) continue;
+      x(axis) = region.low(axis);
+    }
+    if (!region.contains(x, 1e-6 * grid.cell_size)) continue;
+    Weights group;
+    if (axis < 0) {
+      group = {{node, 1.0}};
+    } else {
+      const int stride = strideOf(grid, axis);
+      for (const auto& [layer, weight] : along) {
+        const int other = solid_.findNode(body, number + (layer - along[0].first) * stride);
+        if (other < 0) break;
+        group.emplace_back(other, weight);
+      }
+      if (group.size() < along.size()) continue;
+    }
+    result.push_back(group);
+  }
+  return result;
+}
+
+template <int D>
+std::vector<typename Constraints<D>::Weights> Constraints<D>::requireGroups(int body, const Box& region,
+                                                                            const std::string& name) const {
+  std::vector<Weights> result = regionGroups(body, region);
+  if (result.empty())
+    throw common::Error("'" + name + "' meets no material of body '" + scene_.bodies[body].name + "'");
+  return result;
+}
+
+template <int D>
+void Constraints<D>::hold(const SceneSupport& support, bool required, std::vector<Equation>& list) const {
+  const std::vector<Weights> all =
+      required ? requireGroups(support.body, support.region, support.name) : regionGroups(support.body, support.region);
+  for (const Weights& group : all) {
+    for (const int axis : support.axes) {
+      Equation equation;
+      equation.name = support.name;
+      addTerms<D>(equation, group, axis, 1);
+      list.push_back(equation);
+    }
+  }
+}
+
+template <int D>
+void Constraints<D>::drive(const ScenePort& port, std::vector<Equation>& list) const {
+  for (const Weights& group : requireGroups(port.body, port.region, port.name)) {
+    if (port.cross_free) {
+      Equation equation{{}, {{0, 1.0}}, 0, port.name};
+      for (int a = 0; a < D; ++a) {
+        if (port.direction(a) != 0) addTerms<D>(equation, group, a, port.direction(a));
+      }
+      list.push_back(equation);
+      continue;
+    }
+    for (int a = 0; a < D; ++a) {
+      Equation equation{{}, {}, 0, port.name};
+      if (port.direction(a) != 0) equation.control = {{0, port.direction(a)}};
+      addTerms<D>(equation, group, a, 1);
+      list.push_back(equation);
+    }
+  }
+}
+
+/// Weights of the displacement at (x, y), once per layer of nodes along z.
+template <int D>
+std::vector<typename Constraints<D>::Weights> Constraints<D>::axleLines(int body, double x, double y,
+                                                                        const std::string& name) const {
+  const mpm::Grid<D>& grid = solid_.grid(body);
+  Vector<D> point;
+  point.setZero();
+  point(0) = x, point(1) = y;
+  std::vector<Weights> lines;
+  if (D == 2) {
+    const Weights w = solid_.interpolate(body, point);
+    if (!w.empty()) lines.push_back(w);
+  } else {
+    const auto in_x = layers(grid, 0, x), in_y = layers(grid, 1, y);
+    const int stride_x = 1, stride_y = grid.nodesAlong(0), stride_z = grid.nodesAlong(0) * grid.nodesAlong(1);
+    for (int k = 0; k < grid.nodesAlong(D - 1); ++k) {
+      Weights w;
+      for (const auto& [j, wy] : in_y) {
+        for (const auto& [i, wx] : in_x) {
+          const int node = solid_.findNode(body, i * stride_x + j * stride_y + k * stride_z);
+          if (node >= 0) w.emplace_back(node, wx * wy);
+        }
+      }
+      if (!w.empty() && w.size() == in_x.size() * in_y.size()) lines.push_back(w);
+    }
+  }
+  if (lines.empty()) throw common::Error("'" + name + "' lies outside of body '" + scene_.bodies[body].name + "'");
+  return lines;
+}
+
+/// Mean over the particles within the axle's section.
+template <int D>
+typename Constraints<D>::Weights Constraints<D>::sectionMean(const ScenePin& pin) const {
+  std::map<int, double> sum;
+  double total = 0;
+  for (int c = 0; c < solid_.cellCount(); ++c) {
+    if (solid_.cellBody(c) != pin.body) continue;
+    cells_.eachParticle(c, [&](const Vector<D>& x, const double* value, double w) {
+      if (std::hypot(x(0) - pin.x, x(1) - pin.y) > pin.radius) return;
+      total += w;
+      for (int a = 0; a < solid_.stencil(); ++a) sum[solid_.cellNodes(c)[a]] += w * value[a];
+    });
+  }
+  if (!(total > 0)) throw common::Error("'" + pin.name + "' has no material within its radius");
+  Weights result;
+  for (const auto& [node, weight] : sum) result.emplace_back(node, weight / total);
+  return result;
+}
+
+template <int D>
+void Constraints<D>::addPin(const ScenePin& pin, std::vector<Equation>& list) const {
+  std::vector<Weights> lines;
+  if (pin.kind == PinKind::MEAN) {
+    lines = {sectionMean(pin)};
+  } else {
+    // All points of a rigid cylinder's axis move alike across it: the line says so once, the rest is dropped.
+    lines = axleLines(pin.body, pin.x, pin.y, pin.name);
+  }
+  for (const Weights& group : lines) {
+    for (int a = 0; a < 2; ++a) {
+      Equation equation;
+      equation.name = pin.name;
+      addTerms<D>(equation, group, a, 1);
+      list.push_back(equation);
+    }
+  }
+}
+
+/// Displacements at points of a joint's segment, not farther apart than a cell.
+template <int D>
+std::vector<typename Constraints<D>::Weights> Constraints<D>::segmentPoints(const SceneJoint& joint, int body) const {
+  const Point3 along = joint.to - joint.from;
+  const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / scene_.cell_size - 1e-6)));
+  std::vector<Weights> points;
+  for (int k = 0; k <= parts; ++k) {
+    const Point3 x = joint.from + along * (static_cast<double>(k) / parts);
+    points.push_back(solid_.interpolate(body, x.head<D>()));
+    if (points.back().empty()) {
+      throw common::Error("'" + joint.name + "' lies outside of body '" + scene_.bodies[body].name + "' at (" +
+                          std::to_string(x(0)) + ", " + std::to_string(x(1)) + ", " + std::to_string(x(2)) + ") m");
+    }
+  }
+  return points;
+}
+
+template <int D>
+void Constraints<D>::addJoint(const SceneJoint& joint, std::vector<Equation>& list) const {
+  const auto lines = [&](int body) {
+    return joint.segment ? segmentPoints(joint, body) : axleLines(body, joint.x, joint.y, joint.name);
+  };
+  const auto first = lines(joint.first), second = lines(joint.second);
+  if (first.size() != second.size()) {
+    throw common::Error("'" + joint.name + "': the joined bodies must have the same thickness there");
+  }
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    for (int a = 0; a < D; ++a) {
+      Equation equation;
+      equation.name = joint.name;
+      addTerms<D>(equation, first[k], a, 1);
+      addTerms<D>(equation, second[k], a, -1);
+      list.push_back(equation);
+    }
+  }
+}
+
+/// Share of each node in a uniform traction, by samples on the part of the face that bounds material.
+template <int D>
+Eigen::VectorXd Constraints<D>::faceWeights(const SceneLoad& load) const {
+  const int axis = flatAxis<D>(load.region);
+  if (axis < 0) throw common::Error("'" + load.name + "': the region of a load must be flat along one axis");
+  const mpm::Grid<D>& grid = solid_.grid(load.body);
+  const int n = 4;
+  const int samples = D == 2 ? n : n * n;
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(solid_.nodeCount()), value;
+  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
+  double total = 0;
+  for (int c = 0; c < solid_.cellCount(); ++c) {
+    if (solid_.cellBody(c) != load.body) continue;
+    const Vector<D> low = grid.cellCentre(solid_.cellAt(c)) - Vector<D>::Constant(0.5 * grid.cell_size);
+    const double along = (load.region.low(axis) - low(axis)) / grid.cell_size;
+    const bool last = solid_.cellAt(c)[axis] == grid.cells[axis] - 1;
+    if (along < -1e-6 || along > 1 + (last ? 1e-6 : -1e-6)) continue;
+    for (int s = 0; s < samples; ++s) {
+      Vector<D> local;
+      for (int a = 0, rest = s; a < D; ++a) {
+        if (a == axis) continue;
+        local(a) = (rest % n + 0.5) / n;
+        rest /= n;
+      }
+      local(axis) = std::min(std::max(along, 0.0), 1.0);
+      Vector<D> x = low + grid.cell_size * local;
+      Point3 p = Point3::Zero();
+      p.head<D>() = x;
+      if (!load.region.contains(p, 1e-6 * grid.cell_size)) continue;
+      x(axis) += (last ? -1e-6 : 1e-6) * grid.cell_size;  // just inside
+      if (!cells_.contains(load.body, x)) continue;
+      grid.weights(local, value, slope);
+      for (int a = 0; a < solid_.stencil(); ++a) weights(solid_.cellNodes(c)[a]) += value(a);
+      total += 1;
+    }
+  }
+  if (!(total > 0))
+    throw common::Error("'" + load.name + "' meets no material of body '" + scene_.bodies[load.body].name + "'");
+  return weights / total;
+}
+
+template <int D>
+Eigen::MatrixXd Constraints<D>::loads() const {
+  Eigen::MatrixXd result;
+  for (const SceneLoad& load : scene_.loads) {
+    if (load.constant) continue;
+    if (result.size() == 0) result = Eigen::MatrixXd::Zero(solid_.dofCount(), 1);
+    const Eigen::VectorXd weights = faceWeights(load);
+    for (int a = 0; a < D; ++a) {
+      for (int node = 0; node < solid_.nodeCount(); ++node) result(D * node + a, 0) += weights(node) * load.force(a);
+    }
+  }
+  return result / cells_.multiplicity();
+}
+
+template <int D>
+void Constraints<D>::addGravity(Eigen::VectorXd& force) const {
+  for (int c = 0; c < solid_.cellCount(); ++c) {
+    const double mass_density = scene_.bodies[solid_.cellBody(c)].material.mass_density * solid_.cell(c).density;
+    cells_.eachParticle(c, [&](const Vector<D>&, const double* value, double w) {
+      for (int a = 0; a < solid_.stencil(); ++a) {
+        force.template segment<D>(D * solid_.cellNodes(c)[a]) +=
+            w * mass_density * value[a] * scene_.gravity.template head<D>();
+      }
+    });
+  }
+}
+
+template <int D>
+Eigen::VectorXd Constraints<D>::deadLoad() const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(solid_.dofCount());
+  for (const SceneLoad& load : scene_.loads) {
+    if (!load.constant) continue;
+    const Eigen::VectorXd weights = faceWeights(load) / cells_.multiplicity();
+    for (int node = 0; node < solid_.nodeCount(); ++node) {
+      result.template segment<D>(D * node) += weights(node) * load.force.template head<D>();
+    }
+  }
+  addGravity(result);
+  if (result.isZero(0)) return {};
+  return result;
+}
+
+template class Constraints<2>;
+template class Constraints<3>;
+
+}  // namespace snapwing::statics
