@@ -71,10 +71,13 @@ void readPinsAndJoints(SettingsReader& r, Scene& scene, const Reading& in) {
       joint.name = m.text("name");
       joint.first = in.body(m, "first");
       joint.second = in.body(m, "second");
-      joint.segment = in.dimension == 3 && m.has("from");
-      if (joint.segment) {
-        joint.from = in.point(m, "from", 3);
-        joint.to = in.point(m, "to", 3);
+      if (m.has("region")) {
+        joint.kind = JointKind::FACE;
+        joint.region = in.box(m, "region");
+      } else if (m.has("from")) {
+        joint.kind = JointKind::SEGMENT;
+        joint.from = in.point(m, "from", in.dimension);
+        joint.to = in.point(m, "to", in.dimension);
       } else {
         const Point3 at = in.point(m, "at", 2);
         joint.x = at(0), joint.y = at(1);
@@ -175,6 +178,7 @@ void readNumerics(SettingsReader& r, Scene& scene, const Reading& in) {
   scene.smallest_fraction = r.numberOr("smallest_fraction", 0.02, {0, 0.9}, "1");
   scene.drive = driveFromName(r.has("drive") ? r.choice("drive", {"elimination", "augmented_lagrangian", "multipliers"})
                                              : "elimination");
+  scene.copies = r.integerOr("copies", 1, 1, 1000);
   if (r.has("use_symmetry")) {
     const std::string use = r.choice("use_symmetry", {"true", "false", "all"});
     scene.use_symmetry = use == "all" ? SymmetryUse::ALL : use == "false" ? SymmetryUse::NONE : SymmetryUse::THICKNESS;

@@ -12,15 +12,6 @@ using mpm::Vector;
 
 namespace {
 
-/// The axis along which a region is flat, or -1.
-template <int D>
-int flatAxis(const Box& region) {
-  for (int a = 0; a < D; ++a) {
-    if (std::isfinite(region.low(a)) && region.low(a) == region.high(a)) return a;
-  }
-  return -1;
-}
-
 template <int D>
 int strideOf(const mpm::Grid<D>& grid, int axis) {
   int stride = 1;
@@ -344,124 +335,85 @@ void Constraints<D>::addPin(const ScenePin& pin, std::vector<Equation>& list) co
   }
 }
 
-/// Displacements at points of a joint's segment, not farther apart than a cell.
 template <int D>
-std::vector<typename Constraints<D>::Weights> Constraints<D>::segmentPoints(const SceneJoint& joint, int body) const {
-  const Point3 along = joint.to - joint.from;
-  const int parts = std::max(1, static_cast<int>(std::ceil(along.norm() / scene_.cell_size - 1e-6)));
-  std::vector<Weights> points;
-  for (int k = 0; k <= parts; ++k) {
-    const Point3 x = joint.from + along * (static_cast<double>(k) / parts);
-    points.push_back(solid_.interpolate(body, x.head<D>()));
-    if (points.back().empty()) {
-      throw common::Error("'" + joint.name + "' lies outside of body '" + scene_.bodies[body].name + "' at (" +
-                          std::to_string(x(0)) + ", " + std::to_string(x(1)) + ", " + std::to_string(x(2)) + ") m");
-    }
+void Constraints<D>::tie(const std::string& name, const Weights& first, const Weights& second,
+                         std::vector<Equation>& list) const {
+  for (int a = 0; a < D; ++a) {
+    Equation equation;
+    equation.name = name;
+    addTerms<D>(equation, first, a, 1);
+    addTerms<D>(equation, second, a, -1);
+    list.push_back(equation);
   }
-  return points;
+}
+
+/// At points of the segment that are not farther apart than a cell; all must lie in both bodies.
+template <int D>
+void Constraints<D>::tieSegment(const SceneJoint& joint, std::vector<Equation>& list) const {
+  const Point3 along = joint.to - joint.from;
+  const int parts = static_cast<int>(std::ceil(along.norm() / scene_.cell_size - 1e-6));
+  for (int k = 0; k <= parts; ++k) {
+    const Point3 x = parts > 0 ? Point3(joint.from + along * (static_cast<double>(k) / parts)) : joint.from;
+    Weights at[2];
+    for (const int side : {0, 1}) {
+      const int body = side == 0 ? joint.first : joint.second;
+      at[side] = solid_.interpolate(body, x.head<D>());
+      if (at[side].empty()) {
+        throw common::Error("'" + joint.name + "' lies outside of body '" + scene_.bodies[body].name + "' at (" +
+                            std::to_string(x(0)) + ", " + std::to_string(x(1)) + ", " + std::to_string(x(2)) + ") m");
+      }
+    }
+    tie(joint.name, at[0], at[1], list);
+  }
+}
+
+/// At points of the face where both bodies are, a cell of the first body apart.
+template <int D>
+void Constraints<D>::tieFace(const SceneJoint& joint, std::vector<Equation>& list) const {
+  const int axis = flatAxis<D>(joint.region);
+  if (axis < 0) throw common::Error("'" + joint.name + "': the region of a joint must be flat along one axis");
+  const mpm::Grid<D>& grid = solid_.grid(joint.first);
+  Vector<D> low, step;
+  mpm::Index<D> count{};
+  long points = 1;
+  for (int a = 0; a < D; ++a) {
+    low(a) = std::max(joint.region.low(a), a == axis ? joint.region.low(a) : grid.origin(a));
+    const double high =
+        std::min(joint.region.high(a), a == axis ? low(a) : grid.origin(a) + grid.cell_size * grid.cells[a]);
+    const int parts = std::max(0, static_cast<int>(std::ceil((high - low(a)) / grid.cell_size - 1e-6)));
+    step(a) = parts > 0 ? (high - low(a)) / parts : 0;
+    count[a] = high < low(a) ? 0 : parts + 1;
+    points *= count[a];
+  }
+  const std::size_t before = list.size();
+  for (long n = 0; n < points; ++n) {
+    Vector<D> x = low;
+    long rest = n;
+    for (int a = 0; a < D; ++a) {
+      x(a) += step(a) * static_cast<double>(rest % count[a]);
+      rest /= count[a];
+    }
+    const Weights first = solid_.interpolate(joint.first, x), second = solid_.interpolate(joint.second, x);
+    if (!first.empty() && !second.empty()) tie(joint.name, first, second, list);
+  }
+  if (list.size() == before) {
+    throw common::Error("'" + joint.name + "' meets no place where both '" + scene_.bodies[joint.first].name +
+                        "' and '" + scene_.bodies[joint.second].name + "' are");
+  }
 }
 
 template <int D>
 void Constraints<D>::addJoint(const SceneJoint& joint, std::vector<Equation>& list) const {
-  const auto lines = [&](int body) {
-    return joint.segment ? segmentPoints(joint, body) : axleLines(body, joint.x, joint.y, joint.name);
-  };
-  const auto first = lines(joint.first), second = lines(joint.second);
+  if (joint.kind == JointKind::SEGMENT) return tieSegment(joint, list);
+  if (joint.kind == JointKind::FACE) return tieFace(joint, list);
+  const auto first = axleLines(joint.first, joint.x, joint.y, joint.name);
+  const auto second = axleLines(joint.second, joint.x, joint.y, joint.name);
   if (first.size() != second.size()) {
-    throw common::Error("'" + joint.name + "': the joined bodies must have the same thickness there");
+    throw common::Error("'" + joint.name +
+                        "': the joined bodies must have the same thickness there; or give the "
+                        "joint as a segment, from and to");
   }
-  for (std::size_t k = 0; k < first.size(); ++k) {
-    for (int a = 0; a < D; ++a) {
-      Equation equation;
-      equation.name = joint.name;
-      addTerms<D>(equation, first[k], a, 1);
-      addTerms<D>(equation, second[k], a, -1);
-      list.push_back(equation);
-    }
-  }
-}
-
-/// Share of each node in a uniform traction, by samples on the part of the face that bounds material.
-template <int D>
-Eigen::VectorXd Constraints<D>::faceWeights(const SceneLoad& load) const {
-  const int axis = flatAxis<D>(load.region);
-  if (axis < 0) throw common::Error("'" + load.name + "': the region of a load must be flat along one axis");
-  const mpm::Grid<D>& grid = solid_.grid(load.body);
-  const int n = 4;
-  const int samples = D == 2 ? n : n * n;
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(solid_.nodeCount()), value;
-  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
-  double total = 0;
-  for (int c = 0; c < solid_.cellCount(); ++c) {
-    if (solid_.cellBody(c) != load.body) continue;
-    const Vector<D> low = grid.cellCentre(solid_.cellAt(c)) - Vector<D>::Constant(0.5 * grid.cell_size);
-    const double along = (load.region.low(axis) - low(axis)) / grid.cell_size;
-    const bool last = solid_.cellAt(c)[axis] == grid.cells[axis] - 1;
-    if (along < -1e-6 || along > 1 + (last ? 1e-6 : -1e-6)) continue;
-    for (int s = 0; s < samples; ++s) {
-      Vector<D> local;
-      for (int a = 0, rest = s; a < D; ++a) {
-        if (a == axis) continue;
-        local(a) = (rest % n + 0.5) / n;
-        rest /= n;
-      }
-      local(axis) = std::min(std::max(along, 0.0), 1.0);
-      Vector<D> x = low + grid.cell_size * local;
-      Point3 p = Point3::Zero();
-      p.head<D>() = x;
-      if (!load.region.contains(p, 1e-6 * grid.cell_size)) continue;
-      x(axis) += (last ? -1e-6 : 1e-6) * grid.cell_size;  // just inside
-      if (!cells_.contains(load.body, x)) continue;
-      grid.weights(local, value, slope);
-      for (int a = 0; a < solid_.stencil(); ++a) weights(solid_.cellNodes(c)[a]) += value(a);
-      total += 1;
-    }
-  }
-  if (!(total > 0))
-    throw common::Error("'" + load.name + "' meets no material of body '" + scene_.bodies[load.body].name + "'");
-  return weights / total;
-}
-
-template <int D>
-Eigen::MatrixXd Constraints<D>::loads() const {
-  Eigen::MatrixXd result;
-  for (const SceneLoad& load : scene_.loads) {
-    if (load.constant) continue;
-    if (result.size() == 0) result = Eigen::MatrixXd::Zero(solid_.dofCount(), 1);
-    const Eigen::VectorXd weights = faceWeights(load);
-    for (int a = 0; a < D; ++a) {
-      for (int node = 0; node < solid_.nodeCount(); ++node) result(D * node + a, 0) += weights(node) * load.force(a);
-    }
-  }
-  return result / cells_.multiplicity();
-}
-
-template <int D>
-void Constraints<D>::addGravity(Eigen::VectorXd& force) const {
-  for (int c = 0; c < solid_.cellCount(); ++c) {
-    const double mass_density = scene_.bodies[solid_.cellBody(c)].material.mass_density * solid_.cell(c).density;
-    cells_.eachParticle(c, [&](const Vector<D>&, const double* value, double w) {
-      for (int a = 0; a < solid_.stencil(); ++a) {
-        force.template segment<D>(D * solid_.cellNodes(c)[a]) +=
-            w * mass_density * value[a] * scene_.gravity.template head<D>();
-      }
-    });
-  }
-}
-
-template <int D>
-Eigen::VectorXd Constraints<D>::deadLoad() const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(solid_.dofCount());
-  for (const SceneLoad& load : scene_.loads) {
-    if (!load.constant) continue;
-    const Eigen::VectorXd weights = faceWeights(load) / cells_.multiplicity();
-    for (int node = 0; node < solid_.nodeCount(); ++node) {
-      result.template segment<D>(D * node) += weights(node) * load.force.template head<D>();
-    }
-  }
-  addGravity(result);
-  if (result.isZero(0)) return {};
-  return result;
+  for (std::size_t k = 0; k < first.size(); ++k) tie(joint.name, first[k], second[k], list);
 }
 
 template class Constraints<2>;

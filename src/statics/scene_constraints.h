@@ -1,6 +1,7 @@
 #pragma once
 /// Equations and loads of a scene on its cells (internal to the statics floor).
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,15 @@ struct RigidGroup {
   int translation = 0;                               ///< dof of c_0
   Turning turning;                                   ///< axes: what it may turn about if nothing else holds it
 };
+
+/// The axis along which a region is flat, or -1.
+template <int D>
+int flatAxis(const Box& region) {
+  for (int a = 0; a < D; ++a) {
+    if (std::isfinite(region.low(a)) && region.low(a) == region.high(a)) return a;
+  }
+  return -1;
+}
 
 template <int D>
 class Constraints {
@@ -53,7 +63,9 @@ class Constraints {
   std::vector<Weights> axleLines(int body, double x, double y, const std::string& name) const;
   Weights sectionMean(const ScenePin& pin) const;
   void addPin(const ScenePin& pin, std::vector<Equation>& list) const;
-  std::vector<Weights> segmentPoints(const SceneJoint& joint, int body) const;
+  void tie(const std::string& name, const Weights& first, const Weights& second, std::vector<Equation>& list) const;
+  void tieSegment(const SceneJoint& joint, std::vector<Equation>& list) const;
+  void tieFace(const SceneJoint& joint, std::vector<Equation>& list) const;
   void addJoint(const SceneJoint& joint, std::vector<Equation>& list) const;
   Eigen::VectorXd faceWeights(const SceneLoad& load) const;
   void addGravity(Eigen::VectorXd& force) const;

@@ -21,7 +21,7 @@ class CompiledSceneOf : public CompiledScene {
   CompiledSceneOf(const Scene& scene, int threads) : mirror_(findMirrors(scene)), scene_(halved(scene, mirror_)) {
     const SceneCells<D> cells(scene_, mirror_);
     dropped_ = cells.droppedShare();
-    multiplicity_ = cells.multiplicity();
+    multiplicity_ = scene.copies * cells.multiplicity();
     for (const SceneSupport& plane : scene.symmetry) symmetry_ += (symmetry_.empty() ? "" : ", ") + plane.name;
     for (int axis = 0; axis < D; ++axis) {
       if (mirror_.has(axis)) symmetry_ += (symmetry_.empty() ? "" : ", ") + mirror_.name(axis);

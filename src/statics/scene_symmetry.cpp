@@ -29,9 +29,7 @@ class Image {
       if (axis_ < 2 && (pin.kind == PinKind::MEAN || !same(axis_ == 0 ? pin.x : pin.y))) return false;
     }
     for (const SceneJoint& joint : scene_.joints) {
-      if (joint.segment ? !same(joint.from(axis_)) || !same(joint.to(axis_))
-                        : axis_ < 2 && !same(axis_ == 0 ? joint.x : joint.y))
-        return false;
+      if (!hasImage(joint)) return false;
     }
     for (const ScenePort& port : scene_.ports) {
       if (!same(port.region) || port.direction(axis_) != 0) return false;
@@ -57,18 +55,30 @@ class Image {
     p(axis_) = 2 * at_ - p(axis_);
     return p;
   }
+  bool images(const Box& b, const Box& other) const {
+    for (int a = 0; a < 3; ++a) {
+      const bool mirrored = a == axis_;
+      const double low = mirrored ? 2 * at_ - b.high(a) : b.low(a), high = mirrored ? 2 * at_ - b.low(a) : b.high(a);
+      const auto equal = [&](double x, double y) { return x == y || std::abs(x - y) <= slack_; };
+      if (!equal(other.low(a), low) || !equal(other.high(a), high)) return false;
+    }
+    return true;
+  }
   bool hasImage(const SceneSupport& s) const {
     if (same(s.region)) return true;
     return std::any_of(scene_.supports.begin(), scene_.supports.end(), [&](const SceneSupport& other) {
-      if (other.body != s.body || other.axes != s.axes) return false;
-      for (int a = 0; a < 3; ++a) {
-        const bool mirrored = a == axis_;
-        const double low = mirrored ? 2 * at_ - s.region.high(a) : s.region.low(a);
-        const double high = mirrored ? 2 * at_ - s.region.low(a) : s.region.high(a);
-        const auto equal = [&](double x, double y) { return x == y || std::abs(x - y) <= slack_; };
-        if (!equal(other.region.low(a), low) || !equal(other.region.high(a), high)) return false;
-      }
-      return true;
+      return other.body == s.body && other.axes == s.axes && images(s.region, other.region);
+    });
+  }
+  bool hasImage(const SceneJoint& joint) const {
+    if (joint.kind == JointKind::SEGMENT) {
+      return same(joint.from(axis_)) && same(joint.to(axis_));
+    }
+    if (joint.kind == JointKind::LINE) return axis_ == 2 || same(axis_ == 0 ? joint.x : joint.y);
+    if (same(joint.region)) return true;
+    return std::any_of(scene_.joints.begin(), scene_.joints.end(), [&](const SceneJoint& other) {
+      return other.kind == JointKind::FACE && other.first == joint.first && other.second == joint.second &&
+             images(joint.region, other.region);
     });
   }
 
@@ -155,8 +165,9 @@ Scene halved(const Scene& scene, const Mirror& mirror) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!mirror.has(axis)) continue;
     const double at = mirror.at[axis];
-    const auto beyond = [&](const SceneSupport& s) { return s.region.high(axis) < at; };
+    const auto beyond = [&](const auto& entry) { return entry.region.high(axis) < at; };
     half.supports.erase(std::remove_if(half.supports.begin(), half.supports.end(), beyond), half.supports.end());
+    half.joints.erase(std::remove_if(half.joints.begin(), half.joints.end(), beyond), half.joints.end());
     for (SceneMonitor& m : half.monitors) {
       if (m.at(axis) >= at) continue;
       m.at(axis) = 2 * at - m.at(axis);

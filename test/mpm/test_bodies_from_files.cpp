@@ -3,6 +3,7 @@
 #include <hdf5.h>
 #include <png.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -71,7 +72,8 @@ std::string writeStl(const std::string& name, const TriangleMesh& mesh, bool bin
     for (const auto& t : mesh.triangles) {
       bytes.append(12, '\0');
       for (const int v : t) {
-        const std::array<float, 3> p = {static_cast<float>(mesh.vertices[v](0)), static_cast<float>(mesh.vertices[v](1)),
+        const std::array<float, 3> p = {static_cast<float>(mesh.vertices[v](0)),
+                                        static_cast<float>(mesh.vertices[v](1)),
                                         static_cast<float>(mesh.vertices[v](2))};
         add(p.data(), 12);
       }
@@ -160,7 +162,8 @@ TEST(Stl, DamagedFilesAreRefused) {
 }
 
 /// @param values  bytes of rows from the top, big-endian if 16 bits
-std::string writePng(const std::string& name, int columns, int rows, int depth, int type, std::vector<png_byte> values) {
+std::string writePng(const std::string& name, int columns, int rows, int depth, int type,
+                     std::vector<png_byte> values) {
   const std::string path = temporary(name);
   std::FILE* file = std::fopen(path.c_str(), "wb");
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -227,7 +230,8 @@ std::string writeHdf5(const std::string& name, const std::vector<hsize_t>& size,
 }
 
 TEST(Hdf5Density, RowsLieAlongY) {
-  const DensityField field = loadDensityHdf5(writeHdf5("d.h5", {2, 3}, {0, 0.5, 1, -7, 0.25, 1}), "density", 6e-3, 4e-3);
+  const DensityField field =
+      loadDensityHdf5(writeHdf5("d.h5", {2, 3}, {0, 0.5, 1, -7, 0.25, 1}), "density", 6e-3, 4e-3);
   EXPECT_DOUBLE_EQ(field.cell_size, 2e-3);
   EXPECT_DOUBLE_EQ(field.at(1, 0), 0.5);
   EXPECT_DOUBLE_EQ(field.at(1, 1), 0.25);

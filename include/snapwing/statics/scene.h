@@ -54,13 +54,17 @@ struct ScenePin {
   double radius = 0;  ///< [m] of the section: what a mean is taken over, or what turns as a rigid cylinder
 };
 
-/// The same material point of two bodies; volumetric: a line along z through the thickness, or a segment.
+enum class JointKind { LINE, SEGMENT, FACE };
+
+/// The same material point of two bodies (volumetric: a line along z through the thickness), or all points of a segment
+/// or of a face, a cell apart.
 struct SceneJoint {
   std::string name;
   int first = 0, second = 0;
   double x = 0, y = 0;
-  bool segment = false;
+  JointKind kind = JointKind::LINE;
   Point3 from = Point3::Zero(), to = Point3::Zero();  ///< ends of the segment
+  Box region;                                         ///< face: flat along one axis
 };
 
 /// A rigid face that moves by `control * direction`; cross motion is held or free.
@@ -105,6 +109,7 @@ struct Scene {
   std::vector<SceneSupport> symmetry;  ///< planes that the user states; each doubles forces and energy
   std::vector<ScenePin> pins;
   std::vector<SceneJoint> joints;
+  int copies = 1;                ///< forces and energies of the result are of so many equal parts
   std::vector<ScenePort> ports;  ///< all follow the one control
   std::vector<SceneLoad> loads;
   Point3 gravity = Point3::Zero();  ///< [m/s2] on every body's mass, whatever the control is
