@@ -246,7 +246,9 @@ double Cholesky::distance(const std::vector<double>& values) const {
   for (std::size_t k = 0; k < values.size(); ++k) change[s.place[k]] = values[k] - s.permuted[s.place[k]];
   Eigen::VectorXd v(s.pattern.size);
   for (int k = 0; k < v.size(); ++k) v(k) = std::sin(1.7 * k + 0.3);  // no symmetry of a body has this
-  double energy = v.dot(s.pattern.multiply(s.permuted, v)), ratio = 0;
+  const Eigen::VectorXd push = v;
+  v = solvePermuted(push);  // rich in soft motions, which lose their stability first
+  double energy = v.dot(push), ratio = 0;
   for (int iteration = 0; iteration < 2; ++iteration) {
     const Eigen::VectorXd force = s.pattern.multiply(change, v);
     v = solvePermuted(force);

@@ -47,7 +47,7 @@ class Cholesky {
   double reciprocalCondition() const;
   double factorEntries() const;  ///< nnz(L) of the analysis
   /// How far a matrix A is from the one that was factorized, F: the largest |eigenvalue| of F^-1 (A - F), by two steps
-  /// of the power method from a vector without symmetry. Infinite without a Cholesky factor. Well below 1, both
+  /// of the power method from a soft motion without symmetry. Infinite without a Cholesky factor. Well below 1, both
   /// matrices are positive definite.
   double distance(const std::vector<double>& values) const;
   /// What a factorization costs, in solves: estimated from the analysis, so that it is the same on each machine.
