@@ -132,6 +132,11 @@ class CompiledSceneOf : public CompiledScene {
 }  // namespace
 
 std::unique_ptr<CompiledScene> compileScene(const Scene& scene, int threads) {
+  if (scene.kernel == SceneKernel::QUADRATIC && scene.particles < 3) {
+    throw common::Error(
+        "particles is " + std::to_string(scene.particles) +
+        "; allowed with the quadratic kernel: 3 .. 16 (fewer leave motions of cut cells without energy)");
+  }
   if (scene.dimension == 2) return std::make_unique<CompiledSceneOf<2>>(scene, threads);
   return std::make_unique<CompiledSceneOf<3>>(scene, threads);
 }

@@ -72,7 +72,11 @@ class Image {
   }
   bool hasImage(const SceneJoint& joint) const {
     if (joint.kind == JointKind::SEGMENT) {
-      return same(joint.from(axis_)) && same(joint.to(axis_));
+      // In the plane, or square to it with its middle there.
+      Point3 along = joint.to - joint.from;
+      const bool middle = same(0.5 * (joint.from(axis_) + joint.to(axis_)));
+      along(axis_) = 0;
+      return middle && (same(joint.from(axis_)) || along.norm() <= slack_);
     }
     if (joint.kind == JointKind::LINE) return axis_ == 2 || same(axis_ == 0 ? joint.x : joint.y);
     if (same(joint.region)) return true;
@@ -168,6 +172,11 @@ Scene halved(const Scene& scene, const Mirror& mirror) {
     const auto beyond = [&](const auto& entry) { return entry.region.high(axis) < at; };
     half.supports.erase(std::remove_if(half.supports.begin(), half.supports.end(), beyond), half.supports.end());
     half.joints.erase(std::remove_if(half.joints.begin(), half.joints.end(), beyond), half.joints.end());
+    for (SceneJoint& joint : half.joints) {
+      if (joint.kind != JointKind::SEGMENT) continue;
+      joint.from(axis) = std::max(joint.from(axis), at);
+      joint.to(axis) = std::max(joint.to(axis), at);
+    }
     for (SceneMonitor& m : half.monitors) {
       if (m.at(axis) >= at) continue;
       m.at(axis) = 2 * at - m.at(axis);

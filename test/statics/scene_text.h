@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -13,8 +14,9 @@ namespace snapwing::statics {
 inline const std::string SCENES = std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/";
 
 inline Scene sceneFromText(const std::string& text) {
-  const std::string path =
-      ::testing::TempDir() + "scene_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
+  std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::replace(test.begin(), test.end(), '/', '_');  // parameterised tests
+  const std::string path = ::testing::TempDir() + "scene_" + test + ".yaml";
   std::ofstream(path) << text;
   return loadScene(path);
 }
