@@ -301,8 +301,8 @@ TEST(SceneInputs, QuarterVehicleIsFourArms) {
 
 TEST(SceneInputs, LatchIsBistableWithAndWithoutSymmetry) {
   Scene half = loadScene(SCENES + "bistable_latch.yaml");
-  half.steps = 16;
-  half.to = 8e-3;
+  half.steps = 8;
+  half.to = 6e-3;
   Scene whole = half;
   whole.use_symmetry = SymmetryUse::NONE;
   const SceneCurve a = trace(half), b = trace(whole);
