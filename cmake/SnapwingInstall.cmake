@@ -18,6 +18,6 @@ install(TARGETS ${snapwing_libraries} ${snapwing_programs}
 install(DIRECTORY include/snapwing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY config data launch rviz lcm DESTINATION ${snapwing_share})
 if(SNAPWING_WITH_ROS)
-  catkin_install_python(PROGRAMS scripts/make_report scripts/record_run scripts/run_scenario
+  catkin_install_python(PROGRAMS scripts/make_report scripts/plot_curve scripts/record_run scripts/run_scenario
                         DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()

@@ -139,13 +139,14 @@ class ArcFollower {
   }
 
   void record(int iterations) {
-    PathPoint point = describePoint(x_, iterations, true);
+    PathPoint point = describePoint(x_, iterations, result_.path.factorizations - last_factorizations_, true);
     point.by_arc = true;
     auto& points = result_.path.points;
     const int last = static_cast<int>(points.size()) - 1;
     if (last_negative_ != x_.negative_pivots) result_.crossings.push_back(last);
     if (last_t_p_ * t_p_ < 0) result_.limit_points.push_back(last);
     last_t_p_ = t_p_;
+    last_factorizations_ = result_.path.factorizations;
     last_negative_ = x_.negative_pivots;
     if (settings_.recorded) settings_.recorded(point);
     points.push_back(std::move(point));
@@ -172,7 +173,7 @@ class ArcFollower {
   Equilibrium x_;
   Eigen::VectorXd t_z_;
   double begin_ = 0, w_ = 1, t_p_ = 1, last_t_p_ = 1;
-  int last_negative_ = 0;
+  int last_negative_ = 0, last_factorizations_ = 0;
   ArcResult result_;
 };
 

@@ -38,7 +38,7 @@ class Interval {
     const double s = 0.5 * (bracket.first + bracket.second);
     if (std::isnan(at(s)) || lost_) return false;
     found.kind = kind == FeatureKind::ZERO ? kind : (low > 0 ? FeatureKind::PEAK : FeatureKind::VALLEY);
-    found.point = describePoint(x_, 0, true);
+    found.point = describePoint(x_, 0, 0, true);
     found.accuracy = std::abs((bracket.second - bracket.first) * chord_.controlRate(x_));
     found.remainder = std::abs(kind == FeatureKind::ZERO ? x_.force() : x_.stiffness);
     return true;

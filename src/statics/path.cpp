@@ -9,7 +9,7 @@
 
 namespace snapwing::statics {
 
-PathPoint describePoint(const Equilibrium& x, int iterations, bool keep_solution) {
+PathPoint describePoint(const Equilibrium& x, int iterations, int factorizations, bool keep_solution) {
   PathPoint point;
   point.control = x.p(0);
   point.energy = x.at.elastic_energy;
@@ -19,6 +19,7 @@ PathPoint describePoint(const Equilibrium& x, int iterations, bool keep_solution
   point.stable = x.negative_pivots == 0;
   point.min_det_f = x.at.min_det_f;
   point.iterations = iterations;
+  point.factorizations = factorizations;
   if (keep_solution) {
     point.solution = x.z;
     point.multipliers = x.multipliers;
@@ -112,8 +113,8 @@ bool PathFollower::stepTo(double target, NewtonResult& last) {
 }
 
 /// @return false if the caller wants to stop
-bool PathFollower::record(int point, int iterations) {
-  result_.points.push_back(describePoint(place_, iterations, settings_.keep_solutions));
+bool PathFollower::record(int point, int iterations, int factorizations) {
+  result_.points.push_back(describePoint(place_, iterations, factorizations, settings_.keep_solutions));
   if (settings_.recorded) settings_.recorded(result_.points.back());
   if (!settings_.progress || !settings_.progress(point)) return true;
   result_.status = SolveStatus::CANCELLED;
@@ -147,9 +148,9 @@ void PathFollower::followTargets(const std::vector<double>& targets, std::size_t
   predictor_.clear();
   predictor_.add(place_.p(0), place_.z, place_.slope);
   for (std::size_t k = first; k < targets.size(); ++k) {
-    const int before = result_.iterations;
+    const int before = result_.iterations, factorizations = result_.factorizations;
     if (!stepTo(targets[k], last)) return stopped(targets[k], last);
-    if (!record(static_cast<int>(k), result_.iterations - before)) return;
+    if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations)) return;
   }
 }
 
@@ -170,7 +171,7 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
   result_.status = SolveStatus::CONVERGED;
   if (!begin(start, targets[0], last)) {
     stopped(targets[0], last);
-  } else if (record(0, result_.iterations)) {
+  } else if (record(0, result_.iterations, result_.factorizations)) {
     followTargets(targets, 1, last);
   }
   return finish(now);

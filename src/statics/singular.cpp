@@ -112,6 +112,8 @@ bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equil
     (end.x.negative_pivots == found.before ? low : high) = std::move(end);
   }
   describe(low, high, found);
+  found.point.at.hessian.clear();  // large, and not needed any more
+  found.point.at.assembly = {};
   found.control_rate = controlRateNear(solver, chord, first, last, 0.5 * (low.s + high.s));
   found.kind = found.control_rate < 0.02 ? SingularKind::LIMIT_POINT : SingularKind::BIFURCATION;
   return true;

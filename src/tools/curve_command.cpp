@@ -9,41 +9,69 @@
 #include <sstream>
 
 #include "commands.h"
+#include "curve_options.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/statics/arm_problem.h"
-#include "snapwing/statics/scene_curve.h"
+#include "snapwing/statics/rung.h"
 
 namespace snapwing::tools {
 
 namespace {
-
-struct CurveOptions {
-  std::string input, output, csv, summary, plane = "stress", kernel, vtu;
-  double cell_size = 0, step = 0.001, from = NAN, to = NAN;
-  bool no_back = false, quiet = false, arc_length = false;
-  int threads = 1, particles = 0, steps = 0;
-};
-
 volatile std::sig_atomic_t interrupted = 0;
 void onInterrupt(int) { interrupted = 1; }
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  interrupted = 0;
+  previous_ = std::signal(SIGINT, onInterrupt);
+}
+InterruptGuard::~InterruptGuard() { std::signal(SIGINT, previous_); }
+bool InterruptGuard::interrupted() { return tools::interrupted != 0; }
+
+bool showProgress(const CurveOptions& options, double share, double control) {
+  if (!options.quiet) {
+    std::fprintf(stderr, "\r%3.0f %%  at %10.5g ", 100 * share, control);
+    if (share >= 1) std::fprintf(stderr, "\n");
+    std::fflush(stderr);
+  }
+  return interrupted != 0;
+}
+
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
+
+void addFeatures(const common::ForceTable& table, nlohmann::json& j) {
+  if (table.travel.size() >= 4) {
+    const common::CurveFeatures f = common::curveFeatures(table);
+    j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
+    j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
+    j["zeros_m"] = {0.0, orNull(f.barrier_travel), orNull(f.second_travel)};
+    j["equilibria"] = {
+        {"first_m", 0.0}, {"barrier_m", orNull(f.barrier_travel)}, {"second_m", orNull(f.second_travel)}};
+    j["barrier_forward_J"] = orNull(f.barrier_forward);
+    j["barrier_back_J"] = orNull(f.barrier_back);
+    j["hysteresis_N"] = orNull(f.hysteresis);
+    j["bistable"] = f.bistable;
+  }
+  int unstable = 0;
+  for (const int stable : table.stable) unstable += stable ? 0 : 1;
+  j["points"] = table.travel.size();
+  j["unstable_points"] = unstable;
+}
+
+namespace {
 
 std::string toText(double value) {
   std::ostringstream text;
   text.precision(10);
   text << value;
   return text.str();
-}
-
-bool showProgress(const CurveOptions& options, double share, double travel) {
-  if (!options.quiet) {
-    std::fprintf(stderr, "\r%3.0f %%  at %10.5g ", 100 * share, travel);
-    if (share >= 1) std::fprintf(stderr, "\n");
-    std::fflush(stderr);
-  }
-  return interrupted != 0;
 }
 
 std::string armInputs(const common::Vehicle& vehicle) {
@@ -81,7 +109,7 @@ void describe(const CurveOptions& options, const common::Vehicle& vehicle, const
                  toText(table.travel.back()) + " m";
 }
 
-void writeCsv(const std::string& path, const common::ForceTable& table) {
+std::string csvText(const common::ForceTable& table) {
   std::ostringstream text;
   text.precision(12);
   text << "# one arm; force and energy of the vehicle: times " << table.arm_count << "\n"
@@ -93,33 +121,14 @@ void writeCsv(const std::string& path, const common::ForceTable& table) {
     if (!table.force_back.empty()) text << "," << table.force_back[k];
     text << "\n";
   }
-  common::writeFileAtomically(path, text.str());
+  return text.str();
 }
 
-nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
-
-void addFeatures(const common::ForceTable& table, nlohmann::json& j) {
-  if (table.travel.size() >= 4) {
-    const common::CurveFeatures f = common::curveFeatures(table);
-    j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
-    j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
-    j["zeros_m"] = {0.0, orNull(f.barrier_travel), orNull(f.second_travel)};
-    j["equilibria"] = {
-        {"first_m", 0.0}, {"barrier_m", orNull(f.barrier_travel)}, {"second_m", orNull(f.second_travel)}};
-    j["barrier_forward_J"] = orNull(f.barrier_forward);
-    j["barrier_back_J"] = orNull(f.barrier_back);
-    j["hysteresis_N"] = orNull(f.hysteresis);
-    j["bistable"] = f.bistable;
-  }
-  int unstable = 0;
-  for (const int stable : table.stable) unstable += stable ? 0 : 1;
-  j["points"] = table.travel.size();
-  j["unstable_points"] = unstable;
+void writeCsv(const std::string& path, const common::ForceTable& table) {
+  common::writeFileAtomically(path, csvText(table));
 }
 
-/// ArmCurve and PathResult state their costs by the same names.
-template <class Result>
-void addCosts(const Result& result, nlohmann::json& j) {
+void addCosts(const statics::ArmCurve& result, nlohmann::json& j) {
   j["status"] = statics::statusName(result.status);
   j["message"] = result.message;
   j["iterations"] = result.iterations;
@@ -142,101 +151,9 @@ nlohmann::json summarise(const statics::ArmCurve& curve) {
   return j;
 }
 
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-statics::Scene readScene(const CurveOptions& options) {
-  statics::Scene scene = statics::loadScene(options.input);
-  if (options.cell_size > 0) scene.cell_size = options.cell_size;
-  if (options.kernel == "linear") scene.kernel = statics::SceneKernel::LINEAR;
-  if (options.kernel == "linear_reduced") scene.kernel = statics::SceneKernel::LINEAR_REDUCED;
-  if (options.kernel == "quadratic") scene.kernel = statics::SceneKernel::QUADRATIC;
-  if (options.particles > 0) scene.particles = options.particles;
-  if (options.steps > 0) scene.steps = options.steps;
-  return scene;
-}
-
-std::string kernelName(statics::SceneKernel kernel) {
-  if (kernel == statics::SceneKernel::LINEAR) return "linear";
-  return kernel == statics::SceneKernel::QUADRATIC ? "quadratic" : "linear_reduced";
-}
-
-void writeVtu(const std::string& folder, const statics::CompiledScene& compiled, const statics::SceneCurve& curve) {
-  std::filesystem::create_directories(folder);
-  for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
-    char name[32];
-    std::snprintf(name, sizeof(name), "/point_%04zu.vtu", k);
-    const statics::PathPoint& p = curve.path.points[k];
-    common::writeFileAtomically(folder + name, compiled.vtu(p.solution, p.control));
-  }
-}
-
-nlohmann::json summariseScene(const statics::Scene& scene, const statics::CompiledScene& compiled,
-                              const statics::SceneCurve& curve) {
-  nlohmann::json j;
-  addCosts(curve.path, j);
-  j["scene"] = scene.name;
-  j["kernel"] = kernelName(scene.kernel);
-  j["dimension"] = scene.dimension;
-  j["cell_size_m"] = scene.cell_size;
-  j["particles_per_axis_in_cut_cells"] = scene.particles;
-  j["dof"] = compiled.problem().freeCount();
-  j["cells"] = compiled.cellCount();
-  j["symmetry"] = compiled.symmetry();
-  j["multiplicity"] = compiled.multiplicity();
-  j["volume_share_left_out"] = compiled.droppedShare();
-  j["scene_sha256"] = scene.sha256;
-  j["snapwing_version"] = common::version();
-  // Features need a control that grows; a branch with snap-back has none.
-  if (scene.control_is_length && curve.limit_points.empty()) addFeatures(curve.table(), j);
-  for (const int k : curve.limit_points) j["limit_points"].push_back(curve.path.points[k].control);
-  for (const int k : curve.crossings) j["pivot_changes_after"].push_back(curve.path.points[k].control);
-  for (std::size_t m = 0; m < scene.monitors.size() && !curve.monitors.empty(); ++m) {
-    j["monitors_at_end"][scene.monitors[m].name] = curve.monitors.back()[m];
-  }
-  return j;
-}
-
-int runScene(const CurveOptions& options) {
-  const statics::Scene scene = readScene(options);
-  const auto compiled = statics::compileScene(scene, options.threads);
-  statics::TraceSettings settings;
-  settings.newton.cancelled = [] { return interrupted != 0; };
-  settings.method = options.arc_length ? statics::TraceMethod::ARC_LENGTH : statics::TraceMethod::AUTOMATIC;
-  interrupted = 0;
-  const auto previous = std::signal(SIGINT, onInterrupt);
-  const auto progress = [&](double share, double control) { return showProgress(options, share, control); };
-  const statics::SceneCurve curve = statics::traceScene(scene, *compiled, settings, progress);
-  std::signal(SIGINT, previous);
-  const nlohmann::json summary = summariseScene(scene, *compiled, curve);
-  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
-  std::printf("%s\n", summary.dump(2).c_str());
-  // A path that stopped is written as far as it came, but never as a table that others would take for whole.
-  if (!options.csv.empty()) common::writeFileAtomically(options.csv, curve.csv(scene));
-  if (endsWith(options.output, ".csv")) common::writeFileAtomically(options.output, curve.csv(scene));
-  if (!options.vtu.empty()) writeVtu(options.vtu, *compiled, curve);
-  if (curve.path.status != statics::SolveStatus::CONVERGED) {
-    std::fprintf(stderr, "\nsnapwing curve: %s\n", curve.path.message.c_str());
-    return 1;
-  }
-  if (endsWith(options.output, ".h5")) {
-    if (!curve.limit_points.empty()) throw common::Error("the branch snaps back: it has no force table; write a CSV");
-    if (!scene.control_is_length) throw common::Error("a force table needs a scene with a driven port, not loads");
-    common::ForceTable table = curve.table();
-    for (const auto& [key, value] : summary.items()) {
-      if (value.is_string() || value.is_number())
-        table.provenance[key] = value.is_string() ? value.get<std::string>() : value.dump();
-    }
-    table.provenance["inputs_sha256"] = scene.sha256;
-    common::saveForceTable(table, options.output);
-  }
-  return 0;
-}
-
 /// What cannot be written is refused before the work, not after it.
 void checkOutputs(const CurveOptions& options, bool scene) {
-  for (const std::string& path : {options.output, options.csv, options.summary}) {
+  for (const std::string& path : {options.output, options.csv, options.summary, options.plot, options.checkpoint}) {
     if (!path.empty()) common::requireFolderOf(path);
   }
   const bool table = endsWith(options.output, ".h5");
@@ -246,13 +163,43 @@ void checkOutputs(const CurveOptions& options, bool scene) {
   }
 }
 
-int runCurve(const CurveOptions& options) {
-  checkOutputs(options, statics::isScene(options.input));
-  if (statics::isScene(options.input)) return runScene(options);
-  if (!options.kernel.empty() || !options.vtu.empty()) {
-    throw common::Error(
-        "--kernel, --particles and --vtu are for scenes; a vehicle's arm is traced with the linear kernel");
+/// The lumped rung of a vehicle is its table: nothing is solved.
+int runTable(const CurveOptions& options) {
+  const common::Vehicle vehicle = common::loadVehicle(options.input);
+  const common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
+  nlohmann::json summary;
+  for (const auto& [key, value] : table.provenance) summary["provenance"][key] = value;
+  summary["rung"] = "lumped";
+  summary["status"] = "converged";
+  addFeatures(table, summary);
+  if (!options.csv.empty()) writeCsv(options.csv, table);
+  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
+  if (!options.plot.empty()) plotCurve(csvText(table), summary.dump(), options.plot);
+  std::printf("%s\n", summary.dump(2).c_str());
+  return 0;
+}
+
+/// The planar arm is traced with the linear kernel along the vehicle's travel, both ways.
+void refuseSceneOptions(const CurveOptions& o) {
+  const std::pair<bool, const char*> given[] = {
+      {!o.kernel.empty(), "--kernel"},    {o.particles > 0, "--particles"},  {!o.vtu.empty(), "--vtu"},
+      {o.steps > 0, "--steps"},           {o.arc_length, "--arc-length"},    {o.no_arc, "--no-arc-length"},
+      {!o.drive.empty(), "--drive"},      {o.reverse, "--reverse"},          {o.resume, "--resume"},
+      {!o.checkpoint.empty(), "--checkpoint"}, {o.perturb != 0, "--perturb"}, {!std::isnan(o.error), "--error"},
+      {!std::isnan(o.seconds), "--seconds"}};
+  for (const auto& [is_given, name] : given) {
+    if (is_given)
+      throw common::Error(std::string(name) + " is for scenes and solids; a vehicle's arm is traced in the plane unless --rung volumetric is given");
   }
+}
+
+int runCurve(const CurveOptions& options) {
+  const bool scene = statics::isScene(options.input) || options.rung == "volumetric";
+  checkOutputs(options, scene);
+  if (scene) return runScene(options);
+  refuseSceneOptions(options);
+  if (!options.plot.empty()) requirePlotting();
+  if (options.rung == "lumped") return runTable(options);
   const common::Vehicle vehicle = common::loadVehicle(options.input);
   const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
                                       vehicle.material.mass_density.value};
@@ -260,6 +207,7 @@ int runCurve(const CurveOptions& options) {
       mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
   statics::ArmProblemSettings settings;
   settings.cell_size = options.cell_size;
+  if (!options.resolution.empty()) settings.cell_size = statics::cellSizeFor(options.resolution, design.cell_size);
   settings.plane = options.plane == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
   settings.threads = options.threads;
   const statics::ArmProblem arm(vehicle.arm, material, design, settings);
@@ -269,12 +217,10 @@ int runCurve(const CurveOptions& options) {
   curve_settings.to = std::isnan(options.to) ? vehicle.limits.travel_max : options.to;
   curve_settings.step = options.step;
   curve_settings.back = !options.no_back;
-  curve_settings.path.newton.cancelled = [] { return interrupted != 0; };
+  curve_settings.path.newton.cancelled = InterruptGuard::interrupted;
   curve_settings.progress = [&](double share, double travel) { return showProgress(options, share, travel); };
-  interrupted = 0;
-  const auto previous = std::signal(SIGINT, onInterrupt);
+  const InterruptGuard guard;
   statics::ArmCurve curve = statics::traceArm(arm, curve_settings);
-  std::signal(SIGINT, previous);
 
   if (!curve.table.travel.empty()) describe(options, vehicle, arm, curve.table);
   const nlohmann::json summary = summarise(curve);
@@ -287,8 +233,21 @@ int runCurve(const CurveOptions& options) {
   }
   if (!options.output.empty()) common::saveForceTable(curve.table, options.output);
   if (!options.csv.empty()) writeCsv(options.csv, curve.table);
+  if (!options.plot.empty()) plotCurve(csvText(curve.table), summary.dump(), options.plot);
   std::printf("%s\n", summary.dump(2).c_str());
   return 0;
+}
+
+/// Turns "2%" into "0.02". @return empty: no complaint
+std::string percentToShare(std::string& text) {
+  if (!text.empty() && text.back() == '%') {
+    try {
+      text = toText(std::stod(text.substr(0, text.size() - 1)) / 100);
+    } catch (const std::exception&) {
+      return "'" + text + "' is no percentage";
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -303,12 +262,31 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--summary", options->summary, "Summary to write [JSON]");
   command->add_option("--cell-size", options->cell_size, "Cell size [m]; default: that of the design")
       ->check(CLI::Range(1e-6, 1e3));
+  command->add_option("--rung", options->rung, "How much is modelled: a vehicle's table, a slice, a solid")
+      ->check(CLI::IsMember({"lumped", "planar", "volumetric"}));
+  command->add_option("--resolution", options->resolution, "Cell size as 0.4mm or 4e-4 [m], or x2: half the scene's cells");
   command->add_option("--kernel", options->kernel, "Scenes: kernel in place of the scene's own")
       ->check(CLI::IsMember({"linear", "linear_reduced", "quadratic"}));
   command->add_option("--particles", options->particles, "Scenes: particles per axis in cut cells")
       ->check(CLI::Range(1, 16));
   command->add_option("--steps", options->steps, "Scenes: points of the path")->check(CLI::Range(1, 100000));
   command->add_flag("--arc-length", options->arc_length, "Scenes: follow the branch by arc length, through snap-back");
+  command->add_flag("--no-arc-length", options->no_arc, "Scenes: displacement control alone, jumps included");
+  command->add_option("--drive", options->drive, "Scenes: how ports and joints are imposed")
+      ->check(CLI::IsMember({"elimination", "augmented_lagrangian", "multipliers"}));
+  command->add_option("--projection", options->projection, "When element Hessians are made positive")
+      ->check(CLI::IsMember({"on_demand", "clamp", "absolute"}))
+      ->capture_default_str();
+  command->add_option("--perturb", options->perturb, "Scenes: leave bifurcations along the critical mode, by this motion [m]");
+  command->add_flag("--reverse", options->reverse, "Scenes: from the far end back to 0");
+  command->add_option("--error", options->error, "Scenes: cheapest measured rung with at most this error, as 2% or 0.02")
+      ->transform(CLI::Validator(percentToShare, "SHARE"));
+  command->add_option("--seconds", options->seconds, "Scenes: most accurate measured rung within this time [s]")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--trade", options->trade, "Folder of measured errors and times; default: data/trade");
+  command->add_flag("--resume", options->resume, "Scenes: go on from the checkpoint of an interrupted run");
+  command->add_option("--checkpoint", options->checkpoint, "Scenes: file of what was reached; default: OUTPUT.checkpoint");
+  command->add_option("--plot", options->plot, "Picture of the curve [PNG, PDF, SVG]");
   command->add_option("--vtu", options->vtu, "Scenes: folder for deformed cells of each point [VTU]");
   command->add_option("--plane", options->plane, "How the arm behaves across its thickness")
       ->check(CLI::IsMember({"stress", "strain"}))

@@ -35,6 +35,7 @@ struct PathPoint {
   int negative_pivots = 0;  ///< of the free Hessian; -1 unknown
   double min_det_f = 1;
   int iterations = 0;        ///< with those of intermediate steps
+  int factorizations = 0;    ///< same
   bool by_arc = false;       ///< found by arc length, not at a wanted control
   Eigen::VectorXd solution;  ///< z
   Eigen::VectorXd multipliers;
@@ -51,7 +52,7 @@ struct PathResult {
 };
 
 /// What a path or an arc reports of a settled point.
-PathPoint describePoint(const Equilibrium& x, int iterations, bool keep_solution);
+PathPoint describePoint(const Equilibrium& x, int iterations, int factorizations, bool keep_solution);
 
 /// Steps from point to point with a Hermite predictor; a step that fails is halved.
 class PathFollower {
@@ -72,7 +73,7 @@ class PathFollower {
  private:
   bool begin(const Eigen::VectorXd& start, double control, NewtonResult& last);
   void followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last);
-  bool record(int point, int iterations);
+  bool record(int point, int iterations, int factorizations);
   void stopped(double target, const NewtonResult& last);
   bool stepTo(double target, NewtonResult& last);
   bool jumped(const Equilibrium& next) const;
