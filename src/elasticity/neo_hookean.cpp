@@ -117,14 +117,15 @@ Matrix<D> NeoHookean<D>::linearStress(const Matrix<D>& h) const {
 /// Closed form in the frame of the singular values s: d scaling modes from a d x d matrix, and for each pair of axes a
 /// twist, mu + g'/(s_i s_j), and a flip, mu - g'/(s_i s_j).
 template <int D>
-FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f) const {
+FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
   using Vector = Eigen::Matrix<double, D, 1>;
   const Eigen::JacobiSVD<Matrix<D>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vector s = svd.singularValues();
   const Volumetric v = volumetric(std::log(f.determinant()));
   FullTangent<D> result = FullTangent<D>::Zero();
   const auto add = [&](const Matrix<D>& mode, double value) {
-    if (value <= 0) return;
+    if (value <= 0 && order == Order::PROJECTED) return;
+    value = std::abs(value);
     const Matrix<D> turned = svd.matrixU() * mode * svd.matrixV().transpose();
     const Eigen::Map<const Eigen::Matrix<double, D * D, 1>> vector(turned.data());
     result += value * vector * vector.transpose();
@@ -172,10 +173,10 @@ bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolat
   t.c *= scale;
   t.a0 = t.c0 = m.stiffness * rest * mu_;
   t.b0 = m.stiffness * rest * linear_lambda_;
-  if (order == Order::PROJECTED) {
+  if (order != Order::TANGENT) {
     CompactTangent<D> linear = t;
     linear.a = linear.b = linear.c = 0;
-    out.full = scale * projected(mixed) + linear.full();
+    out.full = scale * projected(mixed, order) + linear.full();
     out.compact = false;
   }
   return true;

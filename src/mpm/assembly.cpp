@@ -133,7 +133,7 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
   const int* nodes = cellNodes(number);
   Eigen::Matrix<double, D, S> moved;
   for (int a = 0; a < S; ++a) moved.col(a) = u.template segment<D>(D * nodes[a]);
-  const bool tangent = order == Order::TANGENT || order == Order::PROJECTED;
+  const bool tangent = elasticity::withTangent(order);
   if (tangent) std::fill(scratch.matrix.begin(), scratch.matrix.end(), 0.0);
   Eigen::Matrix<double, D, S> force = Eigen::Matrix<double, D, S>::Zero();
   CellResult result;
@@ -236,7 +236,7 @@ void Discretisation<D>::assemble(const Eigen::VectorXd& u, Order order, int thre
   out.min_det_f = std::numeric_limits<double>::infinity();
   out.min_det_f_cell = -1;
   if (order != Order::ENERGY) out.gradient.setZero(dofCount());
-  if (order == Order::TANGENT || order == Order::PROJECTED) {
+  if (elasticity::withTangent(order)) {
     out.blocks.assign(static_cast<std::size_t>(pattern_.blocks()) * D * D, 0.0);
   }
   constexpr int LINEAR_STENCIL = D == 2 ? 4 : 8, QUADRATIC_STENCIL = D == 2 ? 9 : 27;

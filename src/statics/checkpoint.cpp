@@ -23,8 +23,9 @@ class Writer {
   void run(const PathResult& run) {
     number(static_cast<double>(run.points.size()));
     for (const PathPoint& p : run.points) {
-      for (const double value : {p.control, p.energy, p.force, p.stiffness, p.min_det_f, 1.0 * p.stable,
-                                 1.0 * p.negative_pivots, 1.0 * p.iterations, 1.0 * p.factorizations, 1.0 * p.by_arc}) {
+      for (const double value :
+           {p.control, p.energy, p.force, p.stiffness, p.min_det_f, 1.0 * p.stable, 1.0 * p.negative_pivots,
+            1.0 * p.iterations, 1.0 * p.factorizations, 1.0 * p.by_arc, 1.0 * p.anchor}) {
         number(value);
       }
       vector(p.solution);
@@ -62,6 +63,7 @@ class Reader {
       run.iterations += p.iterations = integer();
       run.factorizations += p.factorizations = integer();
       p.by_arc = integer() != 0;
+      p.anchor = integer() != 0;
       p.solution = vector();
       p.multipliers = vector();
       run.points.push_back(std::move(p));
@@ -115,7 +117,8 @@ SceneCurve loadCheckpoint(const std::string& path, const std::string& hash) {
   if (file.size() < MAGIC.size() + 2 * DIGITS || file.compare(0, MAGIC.size(), MAGIC) != 0)
     throw common::FileError(path, "no checkpoint of this version");
   if (file.compare(MAGIC.size(), DIGITS, hash) != 0)
-    throw common::FileError(path, "the checkpoint belongs to another scene or to other settings; remove it to start anew");
+    throw common::FileError(path,
+                            "the checkpoint belongs to another scene or to other settings; remove it to start anew");
   const std::string bytes = file.substr(MAGIC.size() + 2 * DIGITS);
   if (file.compare(MAGIC.size() + DIGITS, DIGITS, common::sha256(bytes)) != 0)
     throw common::FileError(path, "the checkpoint is damaged");

@@ -135,7 +135,7 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
     good = system_.factorizeDefinite(x.at.hessian);
   }
   if (!good) {
-    evaluate(x, Order::PROJECTED, trial_);
+    evaluate(x, projectedOrder(settings_.projection), trial_);
     ++result.projections;
     ++result.factorizations;
     good = system_.factorizeDefinite(trial_.hessian);

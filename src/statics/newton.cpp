@@ -37,6 +37,13 @@ std::string statusName(SolveStatus status) {
   return "unknown";
 }
 
+Projection projectionFromName(const std::string& name) {
+  if (name == "on_demand") return Projection::ON_DEMAND;
+  if (name == "clamp") return Projection::ALWAYS;
+  if (name == "absolute") return Projection::ABSOLUTE;
+  throw common::Error("projection is '" + name + "'; allowed: on_demand, clamp, absolute");
+}
+
 void NewtonSettings::validate() const {
   if (max_iterations < 1)
     throw common::Error("max_iterations is " + std::to_string(max_iterations) + "; allowed: >= 1");
@@ -62,7 +69,7 @@ double Newton::tolerance(const Evaluation& at) const {
 
 /// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.
 bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result) {
-  if (settings_.projection == Projection::ALWAYS || !cholesky_.definite() || !old_factor_serves_) return false;
+  if (settings_.projection != Projection::ON_DEMAND || !cholesky_.definite() || !old_factor_serves_) return false;
   // Exact enough for Newton's convergence to stay what it is, and no more exact than the end asks for.
   const double norm = at.residual.norm();
   const double wanted = std::max(0.1 * tolerance(at), 1e-3 * norm);
@@ -92,7 +99,7 @@ bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evalu
   }
   if (!good) {
     factor_is_recent_ = false;
-    evaluate(z, p, Order::PROJECTED, trial_);
+    evaluate(z, p, projectedOrder(settings_.projection), trial_);
     ++result.projections;
     std::vector<double>& hessian = trial_.hessian;
     double largest = 0;

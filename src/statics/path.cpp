@@ -113,8 +113,9 @@ bool PathFollower::stepTo(double target, NewtonResult& last) {
 }
 
 /// @return false if the caller wants to stop
-bool PathFollower::record(int point, int iterations, int factorizations) {
+bool PathFollower::record(int point, int iterations, int factorizations, bool anchor) {
   result_.points.push_back(describePoint(place_, iterations, factorizations, settings_.keep_solutions));
+  result_.points.back().anchor = anchor;
   if (settings_.recorded) settings_.recorded(result_.points.back());
   if (!settings_.progress || !settings_.progress(point)) return true;
   result_.status = SolveStatus::CANCELLED;
@@ -145,12 +146,18 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, NewtonRes
 }
 
 void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last) {
-  predictor_.clear();
-  predictor_.add(place_.p(0), place_.z, place_.slope);
+  constexpr std::size_t ANCHOR = 10;
   for (std::size_t k = first; k < targets.size(); ++k) {
+    if ((k - first) % ANCHOR == 0) {
+      result_.factorizations += solver_.anchor(place_);
+      predictor_.clear();
+      predictor_.add(place_.p(0), place_.z, place_.slope);
+    }
     const int before = result_.iterations, factorizations = result_.factorizations;
     if (!stepTo(targets[k], last)) return stopped(targets[k], last);
-    if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations)) return;
+    if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations,
+                (k - first) % ANCHOR == ANCHOR - 1))
+      return;
   }
 }
 
@@ -171,7 +178,7 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
   result_.status = SolveStatus::CONVERGED;
   if (!begin(start, targets[0], last)) {
     stopped(targets[0], last);
-  } else if (record(0, result_.iterations, result_.factorizations)) {
+  } else if (record(0, result_.iterations, result_.factorizations, true)) {
     followTargets(targets, 1, last);
   }
   return finish(now);

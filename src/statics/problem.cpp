@@ -107,7 +107,7 @@ void SolidProblem<D>::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& 
   if (loaded) {
     out.force_scale = std::max(out.force_scale, load.norm());
   }
-  if (order == Order::TANGENT || order == Order::PROJECTED) gatherHessian(out.assembly.blocks, out.hessian);
+  if (elasticity::withTangent(order)) gatherHessian(out.assembly.blocks, out.hessian);
 }
 
 template <int D>

@@ -152,7 +152,8 @@ TradeRow chooseRow(const std::vector<TradeRow>& rows, const std::string& scene, 
     if (better) best = &row;
   }
   if (best != nullptr) return *best;
-  if (measured.str().empty()) throw common::Error("nothing was measured on scene '" + scene + "': name rung and resolution");
+  if (measured.str().empty())
+    throw common::Error("nothing was measured on scene '" + scene + "': name rung and resolution");
   throw common::Error("no measured rung of scene '" + scene + "' satisfies what is asked; measured:" + measured.str());
 }
 

@@ -137,7 +137,7 @@ void TiedProblem::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, O
   const Eigen::VectorXd force = multipliers_ + s.rho * gap;
   out.residual += s.ties.rows.transpose() * force;
   out.control_force -= s.ties.control.transpose() * force;
-  if (order != Order::TANGENT && order != Order::PROJECTED) return;
+  if (!elasticity::withTangent(order)) return;
   std::vector<double> hessian(s.pattern.row.size(), 0.0);
   for (std::size_t k = 0; k < s.place.size(); ++k) hessian[s.place[k]] = out.hessian[k];
   for (const auto& [entry, value] : s.penalty_terms) hessian[entry] += s.rho * value;

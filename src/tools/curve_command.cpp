@@ -20,16 +20,16 @@
 namespace snapwing::tools {
 
 namespace {
-volatile std::sig_atomic_t interrupted = 0;
-void onInterrupt(int) { interrupted = 1; }
+volatile std::sig_atomic_t stop_asked = 0;
+void onInterrupt(int) { stop_asked = 1; }
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  interrupted = 0;
+  stop_asked = 0;
   previous_ = std::signal(SIGINT, onInterrupt);
 }
 InterruptGuard::~InterruptGuard() { std::signal(SIGINT, previous_); }
-bool InterruptGuard::interrupted() { return tools::interrupted != 0; }
+bool InterruptGuard::interrupted() { return stop_asked != 0; }
 
 bool showProgress(const CurveOptions& options, double share, double control) {
   if (!options.quiet) {
@@ -37,7 +37,7 @@ bool showProgress(const CurveOptions& options, double share, double control) {
     if (share >= 1) std::fprintf(stderr, "\n");
     std::fflush(stderr);
   }
-  return interrupted != 0;
+  return stop_asked != 0;
 }
 
 bool endsWith(const std::string& text, const std::string& end) {
@@ -181,15 +181,24 @@ int runTable(const CurveOptions& options) {
 
 /// The planar arm is traced with the linear kernel along the vehicle's travel, both ways.
 void refuseSceneOptions(const CurveOptions& o) {
-  const std::pair<bool, const char*> given[] = {
-      {!o.kernel.empty(), "--kernel"},    {o.particles > 0, "--particles"},  {!o.vtu.empty(), "--vtu"},
-      {o.steps > 0, "--steps"},           {o.arc_length, "--arc-length"},    {o.no_arc, "--no-arc-length"},
-      {!o.drive.empty(), "--drive"},      {o.reverse, "--reverse"},          {o.resume, "--resume"},
-      {!o.checkpoint.empty(), "--checkpoint"}, {o.perturb != 0, "--perturb"}, {!std::isnan(o.error), "--error"},
-      {!std::isnan(o.seconds), "--seconds"}};
+  const std::pair<bool, const char*> given[] = {{!o.kernel.empty(), "--kernel"},
+                                                {o.particles > 0, "--particles"},
+                                                {!o.vtu.empty(), "--vtu"},
+                                                {o.steps > 0, "--steps"},
+                                                {o.arc_length, "--arc-length"},
+                                                {o.no_arc, "--no-arc-length"},
+                                                {!o.drive.empty(), "--drive"},
+                                                {o.reverse, "--reverse"},
+                                                {o.resume, "--resume"},
+                                                {!o.checkpoint.empty(), "--checkpoint"},
+                                                {o.perturb != 0, "--perturb"},
+                                                {!std::isnan(o.error), "--error"},
+                                                {!std::isnan(o.seconds), "--seconds"}};
   for (const auto& [is_given, name] : given) {
     if (is_given)
-      throw common::Error(std::string(name) + " is for scenes and solids; a vehicle's arm is traced in the plane unless --rung volumetric is given");
+      throw common::Error(
+          std::string(name) +
+          " is for scenes and solids; a vehicle's arm is traced in the plane unless --rung volumetric is given");
   }
 }
 
@@ -264,7 +273,8 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1e-6, 1e3));
   command->add_option("--rung", options->rung, "How much is modelled: a vehicle's table, a slice, a solid")
       ->check(CLI::IsMember({"lumped", "planar", "volumetric"}));
-  command->add_option("--resolution", options->resolution, "Cell size as 0.4mm or 4e-4 [m], or x2: half the scene's cells");
+  command->add_option("--resolution", options->resolution,
+                      "Cell size as 0.4mm or 4e-4 [m], or x2: half the scene's cells");
   command->add_option("--kernel", options->kernel, "Scenes: kernel in place of the scene's own")
       ->check(CLI::IsMember({"linear", "linear_reduced", "quadratic"}));
   command->add_option("--particles", options->particles, "Scenes: particles per axis in cut cells")
@@ -277,15 +287,18 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--projection", options->projection, "When element Hessians are made positive")
       ->check(CLI::IsMember({"on_demand", "clamp", "absolute"}))
       ->capture_default_str();
-  command->add_option("--perturb", options->perturb, "Scenes: leave bifurcations along the critical mode, by this motion [m]");
+  command->add_option("--perturb", options->perturb,
+                      "Scenes: leave bifurcations along the critical mode, by this motion [m]");
   command->add_flag("--reverse", options->reverse, "Scenes: from the far end back to 0");
-  command->add_option("--error", options->error, "Scenes: cheapest measured rung with at most this error, as 2% or 0.02")
+  command
+      ->add_option("--error", options->error, "Scenes: cheapest measured rung with at most this error, as 2% or 0.02")
       ->transform(CLI::Validator(percentToShare, "SHARE"));
   command->add_option("--seconds", options->seconds, "Scenes: most accurate measured rung within this time [s]")
       ->check(CLI::PositiveNumber);
   command->add_option("--trade", options->trade, "Folder of measured errors and times; default: data/trade");
   command->add_flag("--resume", options->resume, "Scenes: go on from the checkpoint of an interrupted run");
-  command->add_option("--checkpoint", options->checkpoint, "Scenes: file of what was reached; default: OUTPUT.checkpoint");
+  command->add_option("--checkpoint", options->checkpoint,
+                      "Scenes: file of what was reached; default: OUTPUT.checkpoint");
   command->add_option("--plot", options->plot, "Picture of the curve [PNG, PDF, SVG]");
   command->add_option("--vtu", options->vtu, "Scenes: folder for deformed cells of each point [VTU]");
   command->add_option("--plane", options->plane, "How the arm behaves across its thickness")

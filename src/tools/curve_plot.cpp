@@ -25,7 +25,8 @@ std::string plotProgram() {
   for (int level = 0; level < 8 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
     if (std::filesystem::exists(folder / "scripts" / "plot_curve")) return (folder / "scripts" / "plot_curve").string();
   }
-  throw common::Error("--plot needs the script plot_curve, which is neither beside this program nor in a scripts folder above");
+  throw common::Error(
+      "--plot needs the script plot_curve, which is neither beside this program nor in a scripts folder above");
 }
 
 int run(std::vector<std::string> words) {

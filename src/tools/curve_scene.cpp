@@ -248,7 +248,8 @@ int runScene(const CurveOptions& options) {
   const bool good = curve.path.status == statics::SolveStatus::CONVERGED;
   nlohmann::json summary = summarise(scene, *compiled, settings.newton, curve);
   if (choice) {
-    summary["chosen"] = {{"measured_error", choice->error}, {"measured_seconds", choice->seconds}, {"table", choice->file}};
+    summary["chosen"] = {
+        {"measured_error", choice->error}, {"measured_seconds", choice->seconds}, {"table", choice->file}};
   }
   if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
   std::printf("%s\n", summary.dump(2).c_str());

@@ -18,7 +18,9 @@ enum class Order {
   STRESS,     ///< and stress
   TANGENT,    ///< and the exact tangent
   PROJECTED,  ///< and the tangent with its negative eigenvalues set to zero
+  ABSOLUTE,   ///< and the tangent with the magnitudes of its eigenvalues
 };
+inline bool withTangent(Order order) { return order >= Order::TANGENT; }
 
 /// Isotropic tangents in the form that assembly is fast with:
 ///   dP = a dF + b (Q : dF) Q + c Q dF^T Q + a0 dF + b0 tr(dF) I + c0 dF^T,   Q = F^-T

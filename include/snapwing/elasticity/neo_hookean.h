@@ -44,7 +44,7 @@ class NeoHookean : public ConstitutiveModel<D> {
   bool hyperelastic(const Matrix<D>& f, Response<D>& out) const;
   double linearEnergy(const Matrix<D>& h) const;
   Matrix<D> linearStress(const Matrix<D>& h) const;
-  FullTangent<D> projected(const Matrix<D>& f) const;
+  FullTangent<D> projected(const Matrix<D>& f, Order order) const;
 
   DensityInterpolation interpolation_;
   bool plane_stress_;

@@ -72,6 +72,11 @@ class EquilibriumSolver {
   NewtonResult correctOn(const BranchPlane& plane, Equilibrium& x);
   /// Inertia and derivatives at a converged point. @return factorizations spent
   int settle(Equilibrium& x);
+  /// Settles anew and forgets everything before: a run that starts here gives the same bits.
+  int anchor(Equilibrium& x) {
+    newton_.forget();
+    return settle(x);
+  }
   /// The same for a point close to where the last factor belongs to: without a new factor if the Hessian has changed by
   /// less than a hundredth (Cholesky::distance), which leaves the inertia what it was.
   int settleNear(Equilibrium& x);

@@ -26,8 +26,15 @@ std::string statusName(SolveStatus status);
 
 enum class Projection {
   ON_DEMAND,  ///< exact tangent, projected only where it has no Cholesky factor
-  ALWAYS,     ///< for comparison
+  ALWAYS,     ///< negative eigenvalues always set to zero (the paper): for comparison
+  ABSOLUTE,   ///< eigenvalues always replaced by their magnitudes: for comparison
 };
+/// on_demand, clamp or absolute. @throws common::Error
+Projection projectionFromName(const std::string& name);
+/// What an iteration assembles when the exact tangent does not serve.
+inline Order projectedOrder(Projection projection) {
+  return projection == Projection::ABSOLUTE ? Order::ABSOLUTE : Order::PROJECTED;
+}
 
 struct NewtonSettings {
   int max_iterations = 60;           ///< [1] >= 1
@@ -64,6 +71,13 @@ class Newton {
   /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none
   /// does
   bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
+
+  /// Forgets how earlier solves went: what follows depends on the next point and on the factor held only.
+  void forget() {
+    patience_ = 0;
+    old_factor_serves_ = true;
+    factor_is_recent_ = false;
+  }
 
   Cholesky& cholesky() { return cholesky_; }
   double secondsAssembly() const { return seconds_assembly_; }

@@ -36,6 +36,7 @@ struct PathPoint {
   double min_det_f = 1;
   int iterations = 0;        ///< with those of intermediate steps
   int factorizations = 0;    ///< same
+  bool anchor = false;       ///< what follows does not depend on what came before
   bool by_arc = false;       ///< found by arc length, not at a wanted control
   Eigen::VectorXd solution;  ///< z
   Eigen::VectorXd multipliers;
@@ -63,7 +64,7 @@ class PathFollower {
   /// @param start     free coordinates near equilibrium at targets[0]
   /// @param targets   control values in the order of the path, at least one
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
-  /// Goes on from a settled point, which is not recorded again.
+  /// Goes on from a settled point, which is not recorded again. It and every tenth wanted point are anchors.
   PathResult followFrom(const Equilibrium& start, const std::vector<double>& targets);
 
   EquilibriumSolver& solver() { return solver_; }
@@ -73,7 +74,7 @@ class PathFollower {
  private:
   bool begin(const Eigen::VectorXd& start, double control, NewtonResult& last);
   void followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last);
-  bool record(int point, int iterations, int factorizations);
+  bool record(int point, int iterations, int factorizations, bool anchor);
   void stopped(double target, const NewtonResult& last);
   bool stepTo(double target, NewtonResult& last);
   bool jumped(const Equilibrium& next) const;

@@ -1,6 +1,6 @@
 #pragma once
-/// The same scene asked of another rung: planar or volumetric, coarser or finer, or the cheapest one that was measured to
-/// be good enough.
+/// The same scene asked of another rung: planar or volumetric, coarser or finer, or the cheapest one that was measured
+/// to be good enough.
 
 #include <optional>
 #include <string>
