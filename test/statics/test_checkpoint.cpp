@@ -1,0 +1,101 @@
+// Interrupted runs go on with the same bits; measured rungs are chosen as asked.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/statics/checkpoint.h"
+#include "snapwing/statics/rung.h"
+
+namespace snapwing::statics {
+namespace {
+
+Scene coarseBeam() {
+  Scene scene = loadScene(std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/snap_beam.yaml");
+  scene.kernel = SceneKernel::LINEAR_REDUCED;
+  scene.cell_size = 8e-4;
+  scene.steps = 28;
+  return scene;
+}
+
+TEST(Checkpoint, AResumedRunHasTheSameBits) {
+  const Scene scene = coarseBeam();
+  const auto compiled = compileScene(scene, 1);
+  const std::string file = ::testing::TempDir() + "snapwing_beam.checkpoint", hash = traceHash(scene, "");
+  TraceSettings settings;
+  settings.method = TraceMethod::AUTOMATIC;
+  const SceneCurve whole = traceScene(scene, *compiled, settings, {});
+  ASSERT_EQ(whole.path.status, SolveStatus::CONVERGED);
+  settings.reached = [&](const SceneCurve& sofar) { saveCheckpoint(sofar, hash, file); };
+  const SceneCurve part =
+      traceScene(scene, *compiled, settings, [](double, double control) { return control > 12e-3; });
+  ASSERT_EQ(part.path.status, SolveStatus::CANCELLED);
+  ASSERT_LT(part.path.points.size(), whole.path.points.size());
+  const SceneCurve known = loadCheckpoint(file, hash);
+  EXPECT_EQ(known.path.points.size(), part.path.points.size());
+  settings.resume = &known;
+  const SceneCurve rest = traceScene(scene, *compileScene(scene, 1), settings, {});
+  ASSERT_EQ(rest.path.status, SolveStatus::CONVERGED) << rest.path.message;
+  EXPECT_EQ(rest.csv(scene), whole.csv(scene));
+  ASSERT_EQ(rest.path.points.size(), whole.path.points.size());
+  for (std::size_t k = 0; k < whole.path.points.size(); ++k) {
+    EXPECT_TRUE(rest.path.points[k].solution == whole.path.points[k].solution) << k;
+    EXPECT_EQ(rest.path.points[k].force, whole.path.points[k].force) << k;
+  }
+}
+
+TEST(Checkpoint, AnotherSceneOrADamagedFileIsRefused) {
+  Scene scene = coarseBeam();
+  const std::string file = ::testing::TempDir() + "snapwing_other.checkpoint", hash = traceHash(scene, "");
+  saveCheckpoint({}, hash, file);
+  EXPECT_NO_THROW(loadCheckpoint(file, hash));
+  scene.steps = 29;
+  EXPECT_THROW(loadCheckpoint(file, traceHash(scene, "")), common::FileError);
+  std::string bytes = common::readFile(file);
+  bytes.back() ^= 1;
+  common::writeFileAtomically(file, bytes);
+  EXPECT_THROW(loadCheckpoint(file, hash), common::FileError);
+  EXPECT_THROW(loadCheckpoint(file + ".none", hash), common::FileError);
+}
+
+TEST(Rung, ResolutionIsASizeOrAFactor) {
+  EXPECT_DOUBLE_EQ(cellSizeFor("0.4mm", 1), 4e-4);
+  EXPECT_DOUBLE_EQ(cellSizeFor("5e-4", 1), 5e-4);
+  EXPECT_DOUBLE_EQ(cellSizeFor("x2", 1e-3), 5e-4);
+  for (const char* bad : {"", "x", "x0", "-1mm", "fine", "1e9"})
+    EXPECT_THROW(cellSizeFor(bad, 1e-3), common::Error) << bad;
+}
+
+TEST(Rung, TheCheapestMeasuredRowIsTaken) {
+  const std::string folder = ::testing::TempDir() + "snapwing_trade";
+  std::filesystem::create_directories(folder);
+  common::writeFileAtomically(
+      folder + "/beam.csv",
+      "# measured\nseconds,scene,rung,kernel,cell_size_m,error_percent\n"
+      "0.5,beam,planar,quadratic,4e-4,0.24\n0.05,beam,planar,linear_reduced,8e-4,2.3\n"
+      "0.2,beam,planar,linear_reduced,4e-4,0.41\n9,other,planar,linear,1e-3,1\n1,beam,planar,linear,1e-3,-\n");
+  common::writeFileAtomically(folder + "/unrelated.csv", "a,b\n1,2\n");
+  const std::vector<TradeRow> rows = loadTrade(folder);
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(chooseRow(rows, "beam", 0.03, {}).seconds, 0.05);
+  EXPECT_EQ(chooseRow(rows, "beam", 0.005, {}).seconds, 0.2);
+  EXPECT_EQ(chooseRow(rows, "beam", {}, 0.3).seconds, 0.2);
+  EXPECT_EQ(chooseRow(rows, "beam", {}, 10.0).kernel, "quadratic");
+  EXPECT_THROW(chooseRow(rows, "beam", 0.001, {}), common::Error);
+  EXPECT_THROW(chooseRow(rows, "nobody", 0.1, {}), common::Error);
+  EXPECT_TRUE(loadTrade(folder + "/none").empty());
+}
+
+TEST(Rung, ASolidAndItsSlice) {
+  const Scene planar = coarseBeam();
+  const Scene solid = asVolumetric(planar);
+  EXPECT_EQ(solid.dimension, 3);
+  EXPECT_EQ(asPlanar(solid, elasticity::Plane::STRESS).kernel, SceneKernel::LINEAR);
+  Scene bounded = solid;
+  bounded.supports[0].region.low(2) = 0;
+  EXPECT_THROW(asPlanar(bounded, elasticity::Plane::STRAIN), common::Error);
+}
+
+}  // namespace
+}  // namespace snapwing::statics
