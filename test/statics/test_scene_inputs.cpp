@@ -192,7 +192,9 @@ TEST(SceneInputs, ThicknessDiffersByRegion) {
     EXPECT_GT(whole, 0);
     // 1 of 3 mm has half the section: 3 / (2 + 1 + 1). A solid is a little softer, since the flow narrows at the step.
     EXPECT_NEAR(mixed / thick, 0.75, dimension == 2 ? 1e-4 : 0.05);
-    if (dimension == 3) EXPECT_LT(mixed / thick, 0.75);
+    if (dimension == 3) {
+      EXPECT_LT(mixed / thick, 0.75);
+    }
   }
 }
 
