@@ -6,8 +6,7 @@
 #include <limits>
 
 #include "snapwing/common/error.h"
-#include "snapwing/design/arm_scene.h"
-#include "snapwing/design/arm_topology.h"
+#include "snapwing/design/design_scene.h"
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/scene_curve.h"
 
@@ -30,24 +29,23 @@ double interpolate(const std::vector<double>& x, const std::vector<double>& y, d
 struct Body {
   std::string name, rung;
   double offset = 0;
-  bool grey = false;
-  int dimension = 2;
-  statics::SceneKernel kernel = statics::SceneKernel::LINEAR;
+  bool volumetric = false, quadratic = false;
 };
 
 using Cancel = std::function<bool(double, double)>;
 
-/// With pictures of the moved outline.
-void tracePlanar(const ArmDesignSettings& s, const mpm::DensityField& field, const Cancel& cancel, ArmCheckCase& c) {
+/// A vehicle's arm with pictures of the moved outline.
+void traceArm(const ArmDesignSettings& s, const mpm::DensityField& field, const Cancel& cancel, ArmCheckCase& c) {
   const common::Vehicle& v = s.vehicle;
   statics::ArmProblemSettings physics;
   physics.plane = s.plane;
   physics.threads = s.threads;
+  physics.interpolation.threshold = s.void_threshold;
   const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
                                       v.material.mass_density.value};
   statics::ArmCurveSettings settings;
   settings.from = 0;
-  settings.to = v.limits.travel_max;
+  settings.to = s.travel_max;
   settings.step = s.check_step;
   settings.progress = cancel;
   const statics::ArmProblem arm(v.arm, material, field, physics);
@@ -57,14 +55,11 @@ void tracePlanar(const ArmDesignSettings& s, const mpm::DensityField& field, con
   c.table = std::move(curve.table);
 }
 
-void traceAsScene(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
-                  ArmCheckCase& c) {
-  ArmSceneSettings settings;
-  settings.dimension = body.dimension;
-  settings.plane = s.plane;
-  settings.kernel = body.kernel;
-  settings.step = body.dimension == 3 ? s.check_volumetric_step : s.check_step;
-  const statics::Scene scene = armScene(s.vehicle, field, settings);
+void traceScene(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
+                ArmCheckCase& c) {
+  const SceneRung rung{body.volumetric, body.quadratic, field.cell_size,
+                       body.volumetric ? s.check_volumetric_step : s.check_step};
+  const statics::Scene scene = designScene(s, rung, &field);
   const auto compiled = statics::compileScene(scene, s.threads);
   const statics::SceneCurve curve = statics::traceScene(scene, *compiled, {}, cancel);
   const bool forward = curve.path.status == statics::SolveStatus::CONVERGED;
@@ -72,20 +67,25 @@ void traceAsScene(const ArmDesignSettings& s, const mpm::DensityField& field, co
   c.message = forward ? curve.back.message : curve.path.message;
   if (curve.path.points.size() < 4) return;
   c.table = curve.table();
-  for (std::size_t k = 0; k < curve.monitors.size(); ++k) c.table.rotation[k] = curve.monitors[k][0];
+  c.table.rotation.assign(c.table.travel.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t m = 0; m < scene.monitors.size(); ++m) {
+    if (scene.monitors[m].radius <= 0) continue;  // the first monitor that is a rotation
+    for (std::size_t k = 0; k < curve.monitors.size(); ++k) c.table.rotation[k] = curve.monitors[k][m];
+    break;
+  }
 }
 
 /// Traces one field and reads the curve off.
 void trace(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
            ArmCheckCase& c) {
   try {
-    const bool scene = body.dimension == 3 || body.kernel != statics::SceneKernel::LINEAR;
-    scene ? traceAsScene(s, field, body, cancel, c) : tracePlanar(s, field, cancel, c);
+    const bool as_arm = !s.user_scene && !body.volumetric && !body.quadratic;
+    as_arm ? traceArm(s, field, cancel, c) : traceScene(s, field, body, cancel, c);
   } catch (const common::Error& e) {  // pin or clamp without material: an outcome of the design, not bad input
     c.message = e.what();
     return;
   }
-  c.table.arm_count = s.vehicle.arm.count;
+  c.table.arm_count = s.copies;
   if (!c.traced || c.table.travel.size() < 4) return;
   c.features = common::curveFeatures(c.table);
   c.hysteresis_share = c.features.hysteresis / std::abs(c.features.peak_force);
@@ -116,23 +116,22 @@ ArmTarget judge(const ArmCheck& check, const std::string& name, double low, doub
   return t;
 }
 
-void judgeAll(ArmCheck& check) {
+void judgeAll(const ArmTargets& wanted, ArmCheck& check) {
   using C = const ArmCheckCase&;
-  check.targets = {
-      judge(
-          check, "peak force", 3.6, 4.0, "N", [](C c) { return c.features.peak_force; }, false),
-      judge(
-          check, "valley force", -1.3, 0.0, "N", [](C c) { return c.features.valley_force; }, false),
-      judge(
-          check, "second equilibrium", 0.050, 0.062, "m", [](C c) { return c.features.second_travel; }, false),
-      judge(
-          check, "arm rotation there", 0.75, 0.9, "rad", [](C c) { return c.rotation_second; }, false),
-      judge(
-          check, "hysteresis over peak", 0, 0.01, "", [](C c) { return c.hysteresis_share; }, false),
-      judge(
-          check, "unstable points", 0, 0, "", [](C c) { return static_cast<double>(c.unstable_points); }, false),
-      judge(
-          check, "bistable, printing error too", 1, 1, "", [](C c) { return c.bistable ? 1.0 : 0.0; }, true)};
+  const auto add = [&](const char* name, const std::array<double, 2>& range, const char* unit, double (*value)(C),
+                       bool offset_cases = false) {
+    check.targets.push_back(judge(check, name, range[0], range[1], unit, value, offset_cases));
+  };
+  add("peak force", wanted.peak, "N", [](C c) { return c.features.peak_force; });
+  add("valley force", wanted.valley, "N", [](C c) { return c.features.valley_force; });
+  add("second equilibrium", wanted.second, "m", [](C c) { return c.features.second_travel; });
+  const bool turns =
+      std::any_of(check.cases.begin(), check.cases.end(), [](C c) { return !std::isnan(c.rotation_end); });
+  if (turns) add("rotation there", wanted.rotation, "rad", [](C c) { return c.rotation_second; });
+  add("hysteresis over peak", {0, wanted.hysteresis}, "", [](C c) { return c.hysteresis_share; });
+  add("unstable points", {0, 0}, "", [](C c) { return static_cast<double>(c.unstable_points); });
+  const auto bistable = [](C c) { return c.bistable ? 1.0 : 0.0; };
+  add("bistable, printing error too", {1, 1}, "", bistable, true);
   check.all_met = std::all_of(check.targets.begin(), check.targets.end(), [](const ArmTarget& t) { return t.met; });
   check.bistable = check.complete && check.targets.back().met;
   check.all_met = check.all_met && check.complete;
@@ -152,7 +151,6 @@ const ArmCheckCase* ArmCheck::reference() const {
 ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::DensityField& grey,
                   const std::function<bool(const std::string&)>& progress) {
   ArmCheck check;
-  const common::ArmSettings& arm = s.vehicle.arm;
   bool cancelled = false;
   const auto add = [&](const Body& body, const mpm::DensityField& field) {
     const auto cancel = [&](double, double) { return cancelled = cancelled || (progress && progress(body.name)); };
@@ -162,15 +160,16 @@ ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::
     trace(s, field, body, cancel, c);
     if (!cancelled) check.cases.push_back(std::move(c));
   };
-  const double power = statics::ArmProblemSettings().interpolation.power;
+  const double power = elasticity::DensityInterpolation().power;
+  const std::array<double, 2> seed = designSeed(s);
   const auto addShape = [&](Body body, double cell, const char* suffix) {
     char name[64];
     std::snprintf(name, sizeof name, body.offset == 0 ? "%.2f mm%s" : "%.2f mm%s, %+.2f mm", 1e3 * cell, suffix,
                   1e3 * body.offset);
     body.name = name;
-    add(body, shape.cover(armDomain(arm, cell, 0), body.offset, power, arm.pin_x, arm.pin_y));
+    add(body, shape.cover(designDomain(s, cell, 0), body.offset, power, seed[0], seed[1]));
   };
-  if (!grey.value.empty()) add({"grey", PLANAR_LINEAR, 0, true}, grey);
+  if (!grey.value.empty()) add({"grey", PLANAR_LINEAR}, grey);
   const double finest = *std::min_element(s.check_cells.begin(), s.check_cells.end());
   for (const double cell : s.check_cells) {
     for (const double offset : {0.0, -s.check_offset, s.check_offset}) {
@@ -179,15 +178,10 @@ ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::
       addShape({"", PLANAR_LINEAR, offset}, cell, "");
     }
   }
-  using statics::SceneKernel;
-  if (s.check_quadratic_cell > 0) {
-    addShape({"", PLANAR_QUADRATIC, 0, false, 2, SceneKernel::QUADRATIC}, s.check_quadratic_cell, " B-spline");
-  }
-  if (s.check_volumetric_cell > 0) {
-    addShape({"", VOLUMETRIC, 0, false, 3, SceneKernel::LINEAR_REDUCED}, s.check_volumetric_cell, " solid");
-  }
+  if (s.check_quadratic_cell > 0) addShape({"", PLANAR_QUADRATIC, 0, false, true}, s.check_quadratic_cell, " B-spline");
+  if (s.check_volumetric_cell > 0) addShape({"", VOLUMETRIC, 0, true}, s.check_volumetric_cell, " solid");
   check.complete = !cancelled;
-  judgeAll(check);
+  judgeAll(s.targets, check);
   return check;
 }
 

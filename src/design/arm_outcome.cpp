@@ -39,12 +39,14 @@ json describe(const ArmDesignSettings& s, const ArmRun& run) {
   return {{"method", s.optimizer},
           {"status", nameOf(run.result.status)},
           {"message", run.result.message},
-          {"iterations", run.result.state.iteration + 1},
-          {"evaluations", run.result.evaluations},
+          {"iterations", run.history.size()},
+          {"evaluations", run.evaluations},
           {"objective", orNull(run.result.objective)},
           {"violation", orNull(run.result.violation)},
-          {"seconds", run.result.seconds},
+          {"seconds", run.seconds},
+          {"cpu_seconds", run.cpu_seconds},
           {"volume", run.volume},
+          {"mass_kg_in_the_optimiser", run.mass},
           {"grey", run.grey},
           {"traced_from_rest", run.retraces},
           {"travels_m", run.travels},
@@ -61,7 +63,7 @@ json reportOf(const ArmDesignSettings& s, const ArmCheck& check) {
   j["name"] = s.name;
   j["inputs_sha256"] = s.hash();
   j["snapwing_version"] = common::version();
-  j["forces_are"] = "totals of " + std::to_string(s.vehicle.arm.count) + " arms";
+  j["forces_are"] = "totals of " + std::to_string(s.copies) + " copies";
   j["bistable"] = check.bistable ? "yes" : "no";
   j["all_targets_met"] = check.all_met;
   for (const ArmTarget& t : check.targets) {
@@ -105,7 +107,8 @@ void finish(const ArmDesignSettings& s, const mpm::DensityField& field, const Ar
     if (&c == finest) outcome.table = table;
   }
   if (finest) report["table"] = curveFile(*finest);
-  if (!shape.empty()) {
+  if (!shape.empty() && s.user_scene) saveOutline(shape, job.folder + "/parts");
+  if (!shape.empty() && !s.user_scene) {
     const ArmPartsReport parts = saveArmParts(s.vehicle, shape, job.folder + "/parts");
     report["parts"] = describe(parts, shape.area());
     if (job.printed) job.printed(parts);
@@ -131,7 +134,7 @@ ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job) {
   outcome.message = run.result.message;
   outcome.objective = run.result.objective;
   outcome.violation = run.result.violation;
-  outcome.iterations = run.result.state.iteration + 1;
+  outcome.iterations = static_cast<int>(run.history.size());
   if (outcome.status != OptimizerStatus::CANCELLED) finish(settings, run.field, &run, job, outcome);
   return outcome;
 }

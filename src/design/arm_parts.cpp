@@ -108,6 +108,12 @@ std::string svgOf(const std::vector<Loop>& loops, const std::vector<std::array<d
   return text.str();
 }
 
+void saveOutline(const ArmShape& shape, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  common::writeFileAtomically(folder + "/outline.dxf", dxfOf(shape.loops(), {}));
+  common::writeFileAtomically(folder + "/outline.svg", svgOf(shape.loops(), {}));
+}
+
 ArmPartsReport saveArmParts(const common::Vehicle& vehicle, const ArmShape& shape, const std::string& folder) {
   constexpr double AXLE_HOLE = 0.0015, SCREW_HOLE = 0.0016, CLEARANCE = 0.0002;  // [m]
   std::filesystem::create_directories(folder);

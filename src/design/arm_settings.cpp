@@ -50,7 +50,7 @@ void readDensity(SettingsReader& root, ArmDesignSettings& s) {
 }
 
 void readTargets(SettingsReader& root, ArmDesignSettings& s) {
-  const double largest = s.vehicle.limits.travel_max;
+  const double largest = s.travel_max;
   SettingsReader objective = root.map("objective");
   s.peak_travel = objective.number("peak_travel", {1e-6, largest}, "m");
   s.valley_travel = objective.number("valley_travel", {s.peak_travel + 1e-6, largest}, "m");
@@ -67,11 +67,55 @@ void readTargets(SettingsReader& root, ArmDesignSettings& s) {
   bounds.finish();
 }
 
+void readLimits(SettingsReader& root, ArmDesignSettings& s) {
+  if (!root.has("limits")) return;
+  SettingsReader limits = root.map("limits");
+  s.mass_limit = limits.numberOr("mass", 0, {1e-6, 1e3}, "kg per arm");
+  if (limits.has("strain")) {
+    s.strain_limit = limits.number("strain", {0.01, 10}, "1");
+    s.strain_travels = travels(limits, "strain_travels", s.travel_max);
+    if (s.strain_travels.empty()) limits.fail("strain_travels", "[]", "at least one travel [m]");
+    s.strain_power = limits.numberOr("strain_power", s.strain_power, {1, 50}, "1");
+  }
+  limits.finish();
+}
+
+std::array<double, 2> interval(SettingsReader& map, const std::string& key, const std::array<double, 2>& fallback,
+                               const std::string& unit) {
+  if (!map.has(key)) return fallback;
+  const std::vector<double> ends = map.numbers(key, 2, {-1e6, 1e6}, unit);
+  if (ends[1] < ends[0]) map.fail(key, "ends out of order", "[low, high] " + unit);
+  return {ends[0], ends[1]};
+}
+
+void readWishes(SettingsReader& root, ArmDesignSettings& s) {
+  if (!root.has("targets")) return;
+  SettingsReader targets = root.map("targets");
+  s.targets.peak = interval(targets, "peak_force", s.targets.peak, "N");
+  s.targets.valley = interval(targets, "valley_force", s.targets.valley, "N");
+  s.targets.second = interval(targets, "second_equilibrium", s.targets.second, "m");
+  s.targets.rotation = interval(targets, "rotation", s.targets.rotation, "rad");
+  s.targets.hysteresis = targets.numberOr("hysteresis", s.targets.hysteresis, {0, 1}, "1");
+  targets.finish();
+}
+
+void readStages(SettingsReader& root, ArmDesignSettings& s) {
+  s.stages.clear();
+  for (SettingsReader& map : root.list("stages")) {
+    ArmStage stage;
+    stage.volumetric = map.choice("rung", {"planar", "volumetric"}) == "volumetric";
+    stage.cell_size = map.number("cell_size", {1e-4, 0.01}, "m");
+    stage.iterations = map.integer("iterations", 1, 10000);
+    stage.move = map.number("move", {1e-4, 1}, "1");
+    map.finish();
+    s.stages.push_back(stage);
+  }
+  if (s.stages.empty()) root.fail("stages", "[]", "at least one stage");
+}
+
 void readRun(SettingsReader& root, ArmDesignSettings& s) {
   SettingsReader optimizer = root.map("optimizer");
   s.optimizer = optimizer.choice("method", {"mma", "gcmma", "nlopt"});
-  s.iterations = optimizer.integer("iterations", 1, 10000);
-  s.move = optimizer.number("move", {1e-4, 1}, "1");
   optimizer.finish();
   SettingsReader check = root.map("check");
   s.check_cells = someNumbers(check, "cell_sizes", {1e-4, 0.01}, "m");
@@ -83,6 +127,32 @@ void readRun(SettingsReader& root, ArmDesignSettings& s) {
   check.finish();
 }
 
+/// The vehicle's arm, or a body of a scene.
+void readMechanism(SettingsReader& root, ArmDesignSettings& s) {
+  if (!root.has("mechanism")) {
+    s.vehicle = common::loadVehicle(root.resolvePath(root.text("vehicle")));
+    s.copies = s.vehicle.arm.count;
+    s.travel_max = s.vehicle.limits.travel_max;
+    s.inputs_sha256 = s.vehicle.sha256;
+    return;
+  }
+  SettingsReader map = root.map("mechanism");
+  s.user_scene = true;
+  s.scene = statics::loadScene(map.resolvePath(map.text("scene")));
+  const std::string body = map.text("body");
+  s.copies = map.integerOr("copies", 1, 1, 1000);
+  const auto found = std::find_if(s.scene.bodies.begin(), s.scene.bodies.end(),
+                                  [&](const statics::SceneBody& b) { return b.name == body; });
+  if (found == s.scene.bodies.end()) map.fail("body", "'" + body + "'", "the name of a body of the scene");
+  if (!found->shape) map.fail("body", "'" + body + "' with a density", "a body given by a shape: the domain");
+  if (!s.scene.control_is_length) map.fail("scene", "one with loads", "a scene with driven ports");
+  if (!(s.scene.to > 0)) map.fail("scene", "a path towards negative travel", "a path to > 0");
+  s.body = static_cast<int>(found - s.scene.bodies.begin());
+  s.travel_max = s.scene.to;
+  s.inputs_sha256 = s.scene.sha256;
+  map.finish();
+}
+
 }  // namespace
 
 ArmDesignSettings loadArmDesignSettings(const std::string& path) {
@@ -90,20 +160,27 @@ ArmDesignSettings loadArmDesignSettings(const std::string& path) {
   ArmDesignSettings s;
   s.file = path;
   s.name = root.text("name");
-  s.vehicle = common::loadVehicle(root.resolvePath(root.text("vehicle")));
-  s.cell_size = root.number("cell_size", {1e-4, 0.01}, "m");
+  readMechanism(root, s);
+  readStages(root, s);
   s.plane =
       root.choice("plane", {"stress", "strain"}) == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
   s.threads = root.integerOr("threads", 1, 1, 256);
   readDensity(root, s);
   readTargets(root, s);
+  readLimits(root, s);
   readRun(root, s);
+  readWishes(root, s);
   root.finish();
+  s.inputs_sha256 = common::sha256(common::sha256OfFile(path) + s.inputs_sha256);
   return s;
 }
 
-std::string ArmDesignSettings::hash() const {
-  return common::sha256(common::readFile(file) + common::readFile(vehicle.file) + common::version());
+int ArmDesignSettings::iterations() const {
+  int sum = 0;
+  for (const ArmStage& stage : stages) sum += stage.iterations;
+  return sum;
 }
+
+std::string ArmDesignSettings::hash() const { return common::sha256(inputs_sha256 + common::version()); }
 
 }  // namespace snapwing::design

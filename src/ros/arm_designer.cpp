@@ -14,7 +14,7 @@ OptimizeDesignFeedback feedbackOf(const design::ArmDesignSettings& settings, con
   OptimizeDesignFeedback feedback;
   feedback.stage = OptimizeDesignFeedback::OPTIMIZING;
   feedback.iteration = p.report.iteration;
-  feedback.iterations = settings.iterations;
+  feedback.iterations = settings.iterations();
   feedback.objective = p.report.objective;
   feedback.violation = p.report.violation;
   feedback.volume = p.volume;
@@ -35,7 +35,7 @@ design::ArmJob jobFor(const design::ArmDesignSettings& settings, const DesignJob
     if (name != last) {
       OptimizeDesignFeedback feedback;
       feedback.stage = OptimizeDesignFeedback::CHECKING;
-      feedback.iteration = feedback.iterations = settings.iterations;
+      feedback.iteration = feedback.iterations = settings.iterations();
       feedback.detail = last = name;
       job.feedback(feedback);
     }

@@ -21,6 +21,7 @@ class CompiledSceneOf : public CompiledScene {
   CompiledSceneOf(const Scene& scene, int threads) : mirror_(findMirrors(scene)), scene_(halved(scene, mirror_)) {
     const SceneCells<D> cells(scene_, mirror_);
     dropped_ = cells.droppedShare();
+    cells_ = cells.solid();
     multiplicity_ = scene.copies * cells.multiplicity();
     for (const SceneSupport& plane : scene.symmetry) symmetry_ += (symmetry_.empty() ? "" : ", ") + plane.name;
     for (int axis = 0; axis < D; ++axis) {
@@ -56,6 +57,7 @@ class CompiledSceneOf : public CompiledScene {
   const std::string& symmetry() const override { return symmetry_; }
   int cellCount() const override { return solid_->solid().cellCount(); }
   double droppedShare() const override { return dropped_; }
+  void setDensities(const std::vector<double>& densities) override { cells_->setDensities(densities); }
 
   std::vector<double> monitors(const Eigen::VectorXd& z, double p) const override {
     const Eigen::VectorXd u = displacements(z, p);
@@ -124,6 +126,7 @@ class CompiledSceneOf : public CompiledScene {
   Scene scene_;
   double multiplicity_ = 1, dropped_ = 0;
   std::string symmetry_;
+  std::shared_ptr<mpm::Discretisation<D>> cells_;  ///< the problem's own
   std::shared_ptr<const SolidProblem<D>> solid_;
   std::unique_ptr<TiedProblem> tied_;           ///< if ports and joints are kept as equations
   std::unique_ptr<TurningProblem<D>> turning_;  ///< if something is rigid

@@ -19,6 +19,7 @@ struct Options {
   std::string settings, folder = "arm_design", density;
   bool check_gradients = false, resume = false, quiet = false;
   double gradient_tolerance = 1e-4;
+  int threads = 0;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -34,7 +35,7 @@ int checkGradients(const ArmDesignSettings& settings, double tolerance) {
       return 1;
     }
     for (const GradientRow& row : check.rows) {
-      std::printf("  %-14s %+.6e ", row.quantity.c_str(), row.derivative);
+      std::printf("  %-48s %+.6e ", row.quantity.c_str(), row.derivative);
       for (std::size_t k = 0; k < check.steps.size(); ++k) {
         std::printf(" %.0e: %.1e", check.steps[k], row.relative_errors[k]);
       }
@@ -78,9 +79,9 @@ void printCheck(const ArmCheck& check) {
 }
 
 void printRun(const ArmRun& run) {
-  std::printf("optimiser: %s %s, objective %.4f, violation %.4f, %d evaluations, %.1f s\n",
+  std::printf("optimiser: %s %s, objective %.4f, violation %.4f, %d evaluations, %.1f s (%.1f s of all cores)\n",
               nameOf(run.result.status).c_str(), run.result.message.c_str(), run.result.objective, run.result.violation,
-              run.result.evaluations, run.result.seconds);
+              run.evaluations, run.seconds, run.cpu_seconds);
   if (run.result.status == OptimizerStatus::CANCELLED) std::printf("cancelled; go on with --resume\n");
 }
 
@@ -110,16 +111,15 @@ ArmJob jobOf(const Options& options) {
 }
 
 int runCommand(const Options& options) {
-  const ArmDesignSettings settings = loadArmDesignSettings(options.settings);
+  ArmDesignSettings settings = loadArmDesignSettings(options.settings);
   if (options.check_gradients) return checkGradients(settings, options.gradient_tolerance);
   interrupted = 0;
   const auto previous = std::signal(SIGINT, onInterrupt);
-  const common::ArmSettings& arm = settings.vehicle.arm;
+  if (options.threads > 0) settings.threads = options.threads;
   const ArmJob job = jobOf(options);
-  const ArmOutcome outcome =
-      options.density.empty()
-          ? designArm(settings, job)
-          : checkArmDensity(settings, mpm::loadDensityCsv(options.density, arm.domain_length, arm.domain_height), job);
+  const ArmOutcome outcome = options.density.empty()
+                                 ? designArm(settings, job)
+                                 : checkArmDensity(settings, loadDesignedDensity(settings, options.density), job);
   std::signal(SIGINT, previous);
   return outcome.bistable ? 0 : 1;
 }
@@ -139,6 +139,8 @@ void addDesignArmCommand(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1e-12, 1.0))
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "Go on from the checkpoint in the output folder");
+  command->add_option("--threads", options->threads, "At most; instead of the settings' own. Changes no bit")
+      ->check(CLI::Range(1, 256));
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->callback([options, &exit_code] { exit_code = runCommand(*options); });
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "snapwing/design/arm_parts.h"
-#include "snapwing/design/arm_topology.h"
+#include "snapwing/design/design_scene.h"
 
 namespace snapwing::design {
 namespace {

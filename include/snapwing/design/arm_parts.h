@@ -44,4 +44,7 @@ struct ArmPartsReport {
 /// Writes arm.stl, arm.dxf, arm.svg, ring.dxf/svg, housing.dxf/svg. @throws common::FileError
 ArmPartsReport saveArmParts(const common::Vehicle& vehicle, const ArmShape& shape, const std::string& folder);
 
+/// Writes outline.dxf and outline.svg of a mechanism that is no arm. @throws common::FileError
+void saveOutline(const ArmShape& shape, const std::string& folder);
+
 }  // namespace snapwing::design

@@ -11,9 +11,10 @@
 
 namespace snapwing::design {
 
-/// One iteration, for progress and history. Forces of one arm.
+/// One iteration, for progress and history; iterations count on over the stages. Forces of one arm.
 struct ArmProgress {
   OptimizerReport report;
+  int stage = 0;
   double volume = 0, volume_bound = 0, grey = 0, sharpness = 0;
   std::vector<double> forces;  ///< [N] at the states' travels
 };
@@ -28,14 +29,17 @@ struct ArmRunOptions {
 
 struct ArmRun {
   OptimizerResult result;
-  mpm::DensityField field;      ///< nominal, projected
-  std::vector<double> travels;  ///< [m]
-  std::vector<double> forces;   ///< [N]
-  double volume = 0, grey = 0;
-  int retraces = 0;
+  mpm::DensityField field;                ///< nominal, projected
+  std::vector<double> travels;            ///< [m]
+  std::vector<double> forces;             ///< [N]
+  double volume = 0, mass = 0, grey = 0;  ///< [1], [kg] of one arm, [1]
+  int retraces = 0, evaluations = 0;      ///< of the stages that ran
+  double seconds = 0, cpu_seconds = 0;    ///< the second one of this session only, all threads
+  std::string worst;  ///< name of the constraint that is violated most, empty if none beyond the tolerance
   std::vector<ArmProgress> history;
 };
 
+/// All stages, one after the other. A resumed run has the same bits as one that was never stopped.
 /// @throws common::Error for bad input, or a checkpoint of other inputs
 ArmRun runArmDesign(const ArmDesignSettings& settings, const ArmRunOptions& options);
 
@@ -53,10 +57,12 @@ struct GradientCheck {
   std::vector<GradientRow> rows;
   double worst() const;
 };
-/// Objective and every constraint at a wavy design near the start. @param sharpness_share  where in the run, 0..1
-GradientCheck checkArmGradients(const ArmDesignSettings& settings, double sharpness_share);
+/// Objective and every constraint at a wavy design near the start. @param share  where in its stage, 0..1
+GradientCheck checkArmGradients(const ArmDesignSettings& settings, double share, int stage = 0);
 
 /// Writes a field as lines "i,j,rho" under comment lines. @throws common::FileError
 void saveDensityCsv(const mpm::DensityField& field, const std::string& comment, const std::string& path);
+/// A field that fills the designed domain's bounding box. @throws common::FileError
+mpm::DensityField loadDesignedDensity(const ArmDesignSettings& settings, const std::string& path);
 
 }  // namespace snapwing::design

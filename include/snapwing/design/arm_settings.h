@@ -1,34 +1,59 @@
 #pragma once
-/// What the design of a bistable arm is told, read strictly from config/designs/arm_*.yaml. SI; forces are per ARM.
+/// What the design of a bistable arm, or of another mechanism with one driven travel, is told; read strictly from
+/// config/designs/arm_*.yaml. SI; forces are per ARM except those of `targets`.
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "snapwing/common/vehicle.h"
 #include "snapwing/elasticity/material.h"
+#include "snapwing/statics/scene.h"
 
 namespace snapwing::design {
 
+/// One part of a run: a discretisation and its iterations, started from the stage before.
+struct ArmStage {
+  bool volumetric = false;   ///< a solid, columns of cells along z share their density; else planar
+  double cell_size = 0.001;  ///< [m]
+  int iterations = 120;
+  double move = 0.05;  ///< largest change of a variable in one iteration
+};
+
+/// What the check asks of every body. Forces are totals of all copies.
+struct ArmTargets {
+  std::array<double, 2> peak{3.6, 4.0};        ///< [N]
+  std::array<double, 2> valley{-1.3, 0.0};     ///< [N]
+  std::array<double, 2> second{0.050, 0.062};  ///< [m] second stable equilibrium
+  std::array<double, 2> rotation{0.75, 0.90};  ///< [rad] there
+  double hysteresis = 0.01;                    ///< share of the peak
+};
+
 struct ArmDesignSettings {
   std::string name, file;
-  common::Vehicle vehicle;  ///< gives domain, ports, thickness, material
+  common::Vehicle vehicle;  ///< gives domain, ports, thickness, material, unless there is a scene
+  bool user_scene = false;  ///< the mechanism is `scene`, with the density of `body` to be designed
+  statics::Scene scene;
+  int body = 0;
+  int copies = 4;             ///< equal mechanisms that act together
+  double travel_max = 0.1;    ///< [m] end of the checked path
+  std::string inputs_sha256;  ///< of the files, for hash()
 
-  double cell_size = 0.001;  ///< [m]
+  std::vector<ArmStage> stages{{}};
   elasticity::Plane plane = elasticity::Plane::STRESS;
-  int threads = 1;
+  int threads = 1;  ///< at most; the result does not depend on it
 
   double filter_radius = 0.0035;                    ///< [m]
   double sharpness_start = 1, sharpness_end = 16;   ///< of the projection
-  double sharpness_from = 0.4, sharpness_to = 0.9;  ///< shares of the iterations between which it grows
+  double sharpness_from = 0.4, sharpness_to = 0.9;  ///< shares of all iterations between which it grows
   std::vector<double> thresholds{0.5};              ///< one design for all of them; the first is the nominal one
-  double pin_patch = 0.004, clamp_patch = 0.0;      ///< [m] solid disc around the pin; solid depth behind the housing
-
+  double pin_patch = 0.004, clamp_patch = 0.0;      ///< [m] solid disc around a pin; solid depth behind a port's face
   double void_threshold = 0.01;  ///< stiffness share below which a cell counts as void: linear energy there
 
   double start_density = 0.9;
-  double volume = 0.5;         ///< bound, share of the L-shaped domain's area
+  double volume = 0.5;         ///< bound, share of the domain's area
   double volume_start = 0.95;  ///< bound at the first iteration
-  double volume_until = 0.5;   ///< share of the iterations at which it has come down
+  double volume_until = 0.5;   ///< share of all iterations at which it has come down
 
   double peak_travel = 0.010;                                      ///< [m] objective: R(valley_travel) - R(peak_travel)
   double valley_travel = 0.044;                                    ///< [m]
@@ -38,12 +63,14 @@ struct ArmDesignSettings {
   double peak_bound = 1.0;                                         ///< [N]
   std::vector<double> valley_travels{0.034, 0.040, 0.044, 0.048};  ///< [m] where R >= -valley_bound
   double valley_bound = 0.3;                                       ///< [N]
-  std::vector<double> slope_travels;  ///< [m] between neighbours of these the force falls by at most ...
-  double slope_bound = 60;            ///< [N/m]
+  std::vector<double> slope_travels;   ///< [m] between neighbours of these the force falls by at most ...
+  double slope_bound = 60;             ///< [N/m]
+  double mass_limit = 0;               ///< [kg] of one arm; 0: none
+  double strain_limit = 0;             ///< [1] of the aggregated largest principal strain; 0: none
+  std::vector<double> strain_travels;  ///< [m] where it is looked at
+  double strain_power = 12;            ///< of the aggregation
 
   std::string optimizer = "mma";  ///< mma, gcmma, nlopt
-  int iterations = 120;
-  double move = 0.05;
 
   std::vector<double> check_cells{0.001, 0.0005};  ///< [m] of the post-check
   double check_offset = 0.0002;                    ///< [m] printing error that the design is checked with
@@ -51,7 +78,10 @@ struct ArmDesignSettings {
   double check_quadratic_cell = 0;                 ///< [m] of the check with the B-spline kernel; 0: none
   double check_volumetric_cell = 0;                ///< [m] of the check as a solid; 0: none
   double check_volumetric_step = 0.002;            ///< [m]
+  ArmTargets targets;
 
+  /// Iterations of all stages.
+  int iterations() const;
   /// Hash of everything that the result depends on.
   std::string hash() const;
 };

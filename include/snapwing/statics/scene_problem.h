@@ -20,6 +20,9 @@ class CompiledScene {
   /// What symmetry was used, in words; "none".
   virtual const std::string& symmetry() const = 0;
   virtual int cellCount() const = 0;
+  /// New densities, one per cell of all bodies, in [0, 1]. What holds a state of the problem (a Newton, a path) must
+  /// start anew. @throws common::Error for a wrong count or value
+  virtual void setDensities(const std::vector<double>& densities) = 0;
   /// Values of the scene's monitors.
   virtual std::vector<double> monitors(const Eigen::VectorXd& z, double p) const = 0;
   /// Share of the material's volume in cells that were left out as slivers.
