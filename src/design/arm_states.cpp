@@ -46,7 +46,8 @@ bool ArmTopology::solveState(Variant& variant, State& state, bool with_derivativ
   }
   Eigen::VectorXd free_part, control_part;
   mechanism.problem().controlTangent(at, Eigen::VectorXd::Ones(1), free_part, control_part);
-  state.stiffness = mechanism.multiplicity() * (control_part(0) - free_part.dot(cholesky.solve(free_part)));
+  state.slope = -cholesky.solve(free_part);
+  state.stiffness = mechanism.multiplicity() * (control_part(0) + free_part.dot(state.slope));
   state.by_density = mechanism.forceByDensity(cholesky, at);
   if (state.wants_strain) state.strain = mechanism.strain(settings_.strain_power, &cholesky, at);
   return true;
@@ -89,7 +90,9 @@ bool ArmTopology::solvePulled(Variant& variant, std::string& why) const {
       const double missing = -settings_.compliance_force - s.force;
       if (std::abs(missing) < 1e-7 * settings_.compliance_force) return true;
       if (!(s.stiffness > 0)) break;
-      s.travel += std::clamp(missing / s.stiffness, -TRACE_STEP, TRACE_STEP);
+      const double step = std::clamp(missing / s.stiffness, -TRACE_STEP, TRACE_STEP);
+      s.travel += step;
+      s.z += step * s.slope;
     }
   }
   if (why.empty()) why = "no equilibrium under the compliance force was found near the path from rest";

@@ -15,6 +15,7 @@ struct ArmTopology::State {
   bool wants_strain = false;
   Eigen::VectorXd z;  ///< warm start; empty before the first trace
   double force = 0, stiffness = 0;
+  Eigen::VectorXd slope;       ///< dz/du
   Eigen::VectorXd by_density;  ///< dR/drho
   Mechanism::Strain strain;
 };
