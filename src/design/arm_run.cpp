@@ -282,7 +282,10 @@ GradientCheck checkArmGradients(const ArmDesignSettings& settings, double share,
   check.valid = at.valid;
   check.message = at.message;
   if (!at.valid) return check;
-  const Eigen::VectorXd slopes = at.jacobian * direction;
+  const Eigen::VectorXd slopes = at.jacobian * direction, size = direction.cwiseAbs();
+  // Errors are measured against the sum of the cells' parts without their signs: the parts may cancel.
+  Eigen::VectorXd scales(slopes.size() + 1);
+  scales << at.gradient.cwiseAbs().dot(size), at.jacobian.cwiseAbs() * size;
   for (Eigen::Index i = -1; i < slopes.size(); ++i) {
     check.rows.push_back(
         {i < 0 ? "objective" : names[static_cast<std::size_t>(i)], i < 0 ? at.gradient.dot(direction) : slopes(i), {}});
@@ -297,8 +300,7 @@ GradientCheck checkArmGradients(const ArmDesignSettings& settings, double share,
     for (Eigen::Index i = -1; i < slopes.size(); ++i) {
       GradientRow& row = check.rows[static_cast<std::size_t>(i + 1)];
       const double rise = i < 0 ? up.objective - down.objective : up.constraints(i) - down.constraints(i);
-      const double scale = std::max(std::abs(row.derivative), 1e-9);
-      row.relative_errors.push_back(std::abs(rise / (2 * h) - row.derivative) / scale);
+      row.relative_errors.push_back(std::abs(rise / (2 * h) - row.derivative) / std::max(scales(i + 1), 1e-9));
     }
   }
   return check;

@@ -43,7 +43,7 @@ struct ArmRun {
 /// @throws common::Error for bad input, or a checkpoint of other inputs
 ArmRun runArmDesign(const ArmDesignSettings& settings, const ArmRunOptions& options);
 
-/// Derivative along a fixed direction against central differences.
+/// Derivative along a fixed direction against central differences; errors as shares of sum_i |g_i d_i|.
 struct GradientRow {
   std::string quantity;
   double derivative = 0;
