@@ -67,10 +67,11 @@ void traceScene(const ArmDesignSettings& s, const mpm::DensityField& field, cons
   c.message = forward ? curve.back.message : curve.path.message;
   if (curve.path.points.size() < 4) return;
   c.table = curve.table();
-  c.table.rotation.assign(c.table.travel.size(), std::numeric_limits<double>::quiet_NaN());
+  c.turns = false;
   for (std::size_t m = 0; m < scene.monitors.size(); ++m) {
     if (scene.monitors[m].radius <= 0) continue;  // the first monitor that is a rotation
     for (std::size_t k = 0; k < curve.monitors.size(); ++k) c.table.rotation[k] = curve.monitors[k][m];
+    c.turns = true;
     break;
   }
 }
@@ -89,8 +90,8 @@ void trace(const ArmDesignSettings& s, const mpm::DensityField& field, const Bod
   if (!c.traced || c.table.travel.size() < 4) return;
   c.features = common::curveFeatures(c.table);
   c.hysteresis_share = c.features.hysteresis / std::abs(c.features.peak_force);
-  c.rotation_second = interpolate(c.table.travel, c.table.rotation, c.features.second_travel);
-  c.rotation_end = c.table.rotation.back();
+  if (c.turns) c.rotation_second = interpolate(c.table.travel, c.table.rotation, c.features.second_travel);
+  if (c.turns) c.rotation_end = c.table.rotation.back();
   for (const int stable : c.table.stable) c.unstable_points += stable ? 0 : 1;
   c.bistable = c.features.bistable;
 }
@@ -125,8 +126,7 @@ void judgeAll(const ArmTargets& wanted, ArmCheck& check) {
   add("peak force", wanted.peak, "N", [](C c) { return c.features.peak_force; });
   add("valley force", wanted.valley, "N", [](C c) { return c.features.valley_force; });
   add("second equilibrium", wanted.second, "m", [](C c) { return c.features.second_travel; });
-  const bool turns =
-      std::any_of(check.cases.begin(), check.cases.end(), [](C c) { return !std::isnan(c.rotation_end); });
+  const bool turns = std::any_of(check.cases.begin(), check.cases.end(), [](C c) { return c.turns; });
   if (turns) add("rotation there", wanted.rotation, "rad", [](C c) { return c.rotation_second; });
   add("hysteresis over peak", {0, wanted.hysteresis}, "", [](C c) { return c.hysteresis_share; });
   add("unstable points", {0, 0}, "", [](C c) { return static_cast<double>(c.unstable_points); });

@@ -4,43 +4,14 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/design/arm_scene.h"
 #include "snapwing/design/mechanism.h"
 
 namespace snapwing::design {
 
 namespace {
 
-statics::Scene armScene(const common::Vehicle& vehicle) {
-  constexpr double ROTATION_RADIUS = 0.004;
-  const common::ArmSettings& arm = vehicle.arm;
-  statics::Scene scene;
-  scene.name = vehicle.name + " arm";
-  statics::SceneBody body;
-  body.name = "arm";
-  body.material = {vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
-                   vehicle.material.mass_density.value};
-  body.thickness = arm.bar_thickness;
-  mpm::Box leg;
-  leg.low(0) = 0, leg.high(0) = arm.leg_width;
-  body.thickness_in = {{leg, arm.leg_thickness}};
-  scene.bodies.push_back(body);
-  scene.pins.push_back({"axle", 0, arm.pin_x, arm.pin_y, statics::PinKind::LINE, 0});
-  statics::ScenePort housing;
-  housing.name = "housing";
-  housing.region.low.head<2>() << 0, arm.clamp_y_low;
-  housing.region.high.head<2>() << 0, arm.clamp_y_high;
-  housing.direction = {0, -1, 0};
-  scene.ports.push_back(housing);
-  statics::SceneMonitor rotation;
-  rotation.name = "arm_rotation";
-  rotation.at = {arm.pin_x, arm.pin_y, 0};
-  rotation.radius = ROTATION_RADIUS;
-  scene.monitors.push_back(rotation);
-  scene.to = vehicle.limits.travel_max;
-  return scene;
-}
-
-statics::Scene baseScene(const ArmDesignSettings& s) { return s.user_scene ? s.scene : armScene(s.vehicle); }
+statics::Scene baseScene(const ArmDesignSettings& s) { return s.user_scene ? s.scene : armScene(s.vehicle, {}, {}); }
 
 }  // namespace
 
@@ -84,6 +55,9 @@ statics::Scene designScene(const ArmDesignSettings& s, const SceneRung& rung, co
   scene.steps = static_cast<int>(std::ceil(scene.to / rung.step - 1e-9));
   scene.back = true;
   scene.drive = statics::Drive::ELIMINATION;  // exact, and the adjoint knows it
+  // A design need not be symmetric in its plane, and its forces are those of one copy.
+  scene.use_symmetry = statics::SymmetryUse::THICKNESS;
+  scene.copies = 1;
   statics::SceneBody& body = scene.bodies[s.body];
   if (field) {
     body.density = *field;

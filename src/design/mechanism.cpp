@@ -14,6 +14,7 @@ Mechanism::Mechanism(const statics::Scene& scene, int body, int threads)
     : compiled_(statics::compileScene(scene, threads)), body_(body) {
   planar_ = dynamic_cast<const statics::SolidProblem<2>*>(&compiled_->problem());
   volumetric_ = dynamic_cast<const statics::SolidProblem<3>*>(&compiled_->problem());
+  if (!planar_ && !volumetric_) throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
   planar_ ? build(*planar_, scene) : build(*volumetric_, scene);
 }
 

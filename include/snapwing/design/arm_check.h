@@ -3,6 +3,7 @@
 /// verdict comes from here, not from the optimiser.
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct ArmCheckCase {
   std::string message;
   common::CurveFeatures features{};
   double hysteresis_share = 0;  ///< max |forward - back| over the peak [1]
-  double rotation_second = 0;   ///< [rad] at the second equilibrium; NaN if none
-  double rotation_end = 0;      ///< [rad] at the largest travel
+  bool turns = true;            ///< false: a scene without a monitor of a rotation
+  double rotation_second = std::numeric_limits<double>::quiet_NaN();  ///< [rad] at the second equilibrium; NaN if none
+  double rotation_end = std::numeric_limits<double>::quiet_NaN();     ///< [rad] at the largest travel
   int unstable_points = 0;
   bool bistable = false;
   common::ForceTable table;

@@ -1,0 +1,173 @@
+// What the arm's design can do besides the default: limits, solids, stages, threads, other mechanisms, honest ends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/design/arm_outcome.h"
+#include "snapwing/design/arm_topology.h"
+#include "snapwing/design/design_scene.h"
+#include "snapwing/statics/newton.h"
+
+namespace snapwing::design {
+namespace {
+
+const std::string ROOT = SNAPWING_SOURCE_DIR;
+
+/// Few states on 4 mm cells.
+ArmDesignSettings tiny() {
+  ArmDesignSettings s = loadArmDesignSettings(ROOT + "/test/data/designs/arm_tiny.yaml");
+  s.stages[0].iterations = 4;
+  return s;
+}
+
+void expectGoodGradients(const GradientCheck& check, std::size_t rows) {
+  ASSERT_TRUE(check.valid) << check.message;
+  ASSERT_EQ(check.rows.size(), rows);
+  for (const GradientRow& row : check.rows) {
+    EXPECT_LT(row.best(), 1e-6) << row.quantity;
+    EXPECT_NE(row.derivative, 0) << row.quantity;
+  }
+}
+
+TEST(ArmLimits, MassAndStrainHaveExactGradients) {
+  ArmDesignSettings s = tiny();
+  s.mass_limit = 0.015;
+  s.strain_limit = 0.5;
+  s.strain_travels = {0.030, 0.070};
+  s.compliance_force = 0;
+  // objective, peak, valley, two strains, volume, mass
+  expectGoodGradients(checkArmGradients(s, 0.5), 7);
+}
+
+TEST(ArmLimits, StrainBoundsTheLargestStretch) {
+  ArmDesignSettings s = tiny();
+  const Mechanism arm(designScene(s, {false, false, 0.004, 0.001}, nullptr), 0, 1);
+  statics::Newton newton(arm.problem(), {});
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(arm.problem().freeCount());
+  statics::Evaluation at;
+  ASSERT_TRUE(newton.solve(Eigen::VectorXd::Constant(1, 0.002), z, at).converged());
+  const Mechanism::Strain sharp = arm.strain(40, nullptr, at), blunt = arm.strain(4, nullptr, at);
+  EXPECT_GT(sharp.largest, 0);
+  EXPECT_GE(sharp.value, sharp.largest);
+  EXPECT_GT(blunt.value, sharp.value);
+  EXPECT_LT(sharp.value, 1.2 * sharp.largest);  // the aggregate tends to the largest
+}
+
+TEST(ArmVolumetric, GradientsOfColumnsAreExact) {
+  ArmDesignSettings s = tiny();
+  s.stages = {{true, 0.004, 4, 0.05}};
+  s.valley_travel = 0.020;
+  s.valley_travels = {0.020};
+  s.compliance_force = 0;
+  expectGoodGradients(checkArmGradients(s, 0.5), 4);
+}
+
+TEST(ArmStages, PlanarDesignStartsTheSolid) {
+  ArmDesignSettings s = tiny();
+  s.stages = {{false, 0.004, 3, 0.05}, {false, 0.002, 2, 0.05}, {true, 0.004, 1, 0.05}};
+  const ArmRun run = runArmDesign(s, {});
+  ASSERT_EQ(run.history.size(), 6u);
+  EXPECT_EQ(run.history.back().stage, 2);
+  for (std::size_t k = 1; k < run.history.size(); ++k) {
+    EXPECT_EQ(run.history[k].report.iteration, static_cast<int>(k));
+    // A stage begins where the one before ended: one step of at most the move limit, and the other cells.
+    EXPECT_NEAR(run.history[k].volume, run.history[k - 1].volume, 0.05);
+  }
+  // The force of the solid at the first bound is that of the planar arm up to the models' difference.
+  EXPECT_NEAR(run.history[5].forces[0], run.history[2].forces[0], 0.3 * run.history[2].forces[0]);
+}
+
+TEST(ArmThreads, DoNotChangeABit) {
+  ArmDesignSettings s = tiny();
+  s.thresholds = {0.5, 0.58, 0.42};
+  s.threads = 1;
+  const ArmRun one = runArmDesign(s, {});
+  s.threads = 2;
+  const ArmRun two = runArmDesign(s, {});
+  EXPECT_EQ(one.field.value, two.field.value);
+  EXPECT_EQ(one.forces, two.forces);
+  EXPECT_EQ(one.result.objective, two.result.objective);
+}
+
+TEST(ArmEnds, AnUnreachableBoundIsInfeasibleAndNamed) {
+  ArmDesignSettings s = tiny();
+  s.peak_bound = 1e-3;
+  const ArmRun run = runArmDesign(s, {});
+  EXPECT_EQ(run.result.status, OptimizerStatus::INFEASIBLE);
+  EXPECT_NE(run.worst.find("R(0.01 m) <= 0.001 N"), std::string::npos) << run.worst;
+  EXPECT_NE(run.result.message.find(run.worst), std::string::npos);
+}
+
+TEST(ArmEnds, AForceThatTheArmCannotHoldIsSaid) {
+  ArmDesignSettings s = tiny();
+  s.start_density = 0.02;
+  s.compliance_force = 100;
+  const ArmRun run = runArmDesign(s, {});
+  EXPECT_EQ(run.result.status, OptimizerStatus::EVALUATION_FAILED);
+  EXPECT_NE(run.result.message.find("compliance force"), std::string::npos) << run.result.message;
+}
+
+/// The switch's settings with its scene changed by one replacement.
+std::string switchWith(const std::string& from, const std::string& to) {
+  std::string scene = common::readFile(ROOT + "/config/scenes/switch_domain.yaml");
+  const std::size_t at = scene.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at != std::string::npos) scene.replace(at, from.size(), to);
+  const std::string folder = ::testing::TempDir();
+  std::ofstream(folder + "switch_scene.yaml") << scene;
+  std::string design = common::readFile(ROOT + "/config/designs/mechanism_switch.yaml");
+  design.replace(design.find("../scenes/switch_domain.yaml"), 28, "switch_scene.yaml");
+  std::ofstream(folder + "switch_design.yaml") << design;
+  return folder + "switch_design.yaml";
+}
+
+ArmDesignSettings coarseSwitch(const std::string& file) {
+  ArmDesignSettings s = loadArmDesignSettings(file);
+  s.stages = {{false, 0.004, 3, 0.05}};
+  s.check_cells = {0.002};
+  s.check_quadratic_cell = s.check_volumetric_cell = 0;
+  s.check_step = 0.002;
+  return s;
+}
+
+TEST(ArmMechanism, AnyBodyOfASceneCanBeDesigned) {
+  const ArmDesignSettings s = coarseSwitch(ROOT + "/config/designs/mechanism_switch.yaml");
+  EXPECT_EQ(s.copies, 2);
+  ArmJob job;
+  job.folder = ::testing::TempDir() + "switch_outcome";
+  const ArmOutcome outcome = designArm(s, job);
+  EXPECT_EQ(outcome.iterations, 3);
+  EXPECT_FALSE(outcome.densityFile().empty());
+  const auto found = loadArmOutcome(s, job.folder);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->objective, outcome.objective);
+  ArmDesignSettings other = s;
+  other.inputs_sha256 += "x";
+  EXPECT_FALSE(loadArmOutcome(other, job.folder).has_value());
+}
+
+TEST(ArmMechanism, PortOutsideOfTheBodyIsNamed) {
+  const ArmDesignSettings s = coarseSwitch(switchWith("x: [40, 40], y: [12, 20]", "x: [60, 60], y: [12, 20]"));
+  try {
+    runArmDesign(s, {});
+    FAIL() << "accepted";
+  } catch (const common::Error& e) {
+    EXPECT_NE(std::string(e.what()).find("button"), std::string::npos) << e.what();
+  }
+}
+
+TEST(ArmMechanism, EmptyDomainAndUnknownBodyAreRefused) {
+  EXPECT_THROW(runArmDesign(coarseSwitch(switchWith("shape: {box: {x: [0, 40], y: [0, 20]}}",
+                                                    "shape: {difference: [{box: {x: [0, 40], y: [0, 20]}}, {box: {x: "
+                                                    "[-1, 41], y: [-1, 21]}}]}")),
+                            {}),
+               common::Error);
+  EXPECT_THROW(loadArmDesignSettings(switchWith("  spring:", "  coil:")), common::SettingError);
+  EXPECT_THROW(loadArmDesignSettings(switchWith("path: {to: 26", "path: {to: -26")), common::SettingError);
+}
+
+}  // namespace
+}  // namespace snapwing::design
