@@ -54,6 +54,7 @@ ElasticLinkage::ElasticLinkage(ElasticLinkage&&) noexcept = default;
 
 ElasticLinkage::Terms ElasticLinkage::terms(const VectorXd& q) const { return model_->terms(q, true); }
 int ElasticLinkage::unknowns() const { return model_->size(); }
+const FourBar& ElasticLinkage::layout() const { return model_->bar; }
 const MatrixXd& ElasticLinkage::joints() const { return model_->rows.H; }
 int ElasticLinkage::tipIndex() const { return 3 * model_->mesh.tip; }
 int ElasticLinkage::rotationIndex() const { return 3 * model_->mesh.wing2.b + 2; }
@@ -180,16 +181,6 @@ ElasticState ElasticLinkage::solve(double theta, const ElasticState* guess) cons
   return state;
 }
 
-std::vector<ElasticState> ElasticLinkage::trace(const std::vector<double>& thetas) const {
-  std::vector<ElasticState> states;
-  for (const double theta : thetas) {
-    const bool closes = poseAt(model_->bar, theta).has_value();
-    const bool follow = !closes && !states.empty() && states.back().status == ElasticStatus::CONVERGED;
-    states.push_back(solve(theta, follow ? &states.back() : nullptr));
-  }
-  return states;
-}
-
 Eigen::Vector4d ElasticLinkage::adjoint(const ElasticState& state, const VectorXd& L_q,
                                         const Eigen::Vector4d& L_X) const {
   if (state.status != ElasticStatus::CONVERGED)
@@ -200,6 +191,23 @@ Eigen::Vector4d ElasticLinkage::adjoint(const ElasticState& state, const VectorX
   right.head(unknowns()) = L_q;
   const VectorXd y = model_->saddle(t.hessian).solve(right).head(unknowns());
   return L_X - t.mixed.transpose() * y;
+}
+
+Eigen::Vector4d ElasticLinkage::gradient(const ElasticState& state, const StateSlopes& L) const {
+  const Terms t = terms(state.q);
+  VectorXd L_q = L.energy * t.gradient;
+  L_q.segment<2>(tipIndex()) += L.tip;
+  L_q[rotationIndex()] += L.wing_rotation;
+  const auto add = [&](const Attachment& at, const Eigen::Vector2d& slope) {
+    L_q.segment<2>(3 * at.a) += (1 - at.s) * slope;
+    L_q.segment<2>(3 * at.b) += at.s * slope;
+  };
+  add(model_->mesh.wing1, L.joint1);
+  add(model_->mesh.wing2, L.joint2);
+  Eigen::Vector4d L_X = L.energy * t.by_X;
+  L_X.head<2>() += L.joint1;
+  L_X.tail<2>() += L.joint2;
+  return adjoint(state, L_q, L_X);
 }
 
 ElasticSensitivity ElasticLinkage::sensitivity(const ElasticState& state) const {

@@ -31,8 +31,6 @@ Matrix<double, 6, 10> elementMap(const BeamNode& a, const BeamNode& b) {
   return map;
 }
 
-double signOf(double a) { return a > 0 ? 1 : a < 0 ? -1 : 0; }
-
 void addMoment(VectorXd* f, const Attachment& at, double moment) {
   (*f)[3 * at.a + 2] += (1 - at.s) * moment;
   (*f)[3 * at.b + 2] += at.s * moment;
@@ -63,17 +61,13 @@ VectorXd ElasticLinkage::Model::driven(double theta) const {
 
 VectorXd ElasticLinkage::Model::friction(double theta) const {
   VectorXd f = VectorXd::Zero(size());
-  const auto pose = poseAt(bar, theta);
-  if (!pose || pose->transmission_sine == 0 || bars.friction_moment == 0) return f;
-  const double M = bars.friction_moment;
-  const double at1 = -M * signOf(pose->wing_rate - bar.crank_sign),
-               at2 = -M * signOf(pose->wing_rate - pose->rocker_rate);
-  addMoment(&f, mesh.wing1, at1);
-  addMoment(&f, mesh.arm1, -at1);
-  addMoment(&f, mesh.wing2, at2);
-  addMoment(&f, mesh.rocker2, -at2);
-  addMoment(&f, mesh.auxiliary, -M * signOf(pose->rocker_rate));
-  addMoment(&f, mesh.axle, -M * bar.crank_sign);
+  const PinMoments M = frictionAt(bar, bars, theta);
+  addMoment(&f, mesh.wing1, M.joint1);
+  addMoment(&f, mesh.arm1, -M.joint1);
+  addMoment(&f, mesh.wing2, M.joint2);
+  addMoment(&f, mesh.rocker2, -M.joint2);
+  addMoment(&f, mesh.auxiliary, M.auxiliary);
+  addMoment(&f, mesh.axle, M.axle);
   return f;
 }
 

@@ -12,20 +12,33 @@ namespace snapwing::design {
 using Eigen::Vector2d;
 using Eigen::Vector4d;
 
-void ElasticWingProblem::add(const ElasticLinkage& linkage, const ElasticState& state, int i, WingEvaluation* e) const {
+LinkageFactory beamRung(const WingBars& bars, const ElasticSettings& settings) {
+  return [=](const FourBar& layout) { return std::make_unique<ElasticLinkage>(layout, bars, settings); };
+}
+
+LinkageFactory solidRung(const WingBars& bars, const SolidSettings& settings) {
+  return [=](const FourBar& layout) { return makeSolidLinkage(layout, bars, settings); };
+}
+
+ElasticWingProblem::ElasticWingProblem(const WingSettings& settings, LinkageFactory rung)
+    : WingProblem(settings), rigid_(settings), rung_(rung ? std::move(rung) : beamRung(settings.bars)) {}
+
+void ElasticWingProblem::add(const LinkageModel& linkage, const ElasticState& state, int i, bool derivatives,
+                             WingEvaluation* e) const {
   const Vector2d miss = state.tip - settings_.tipTarget(i);
   const double turn = state.wing_rotation - settings_.wantedRotation(i);
   const double weight = settings_.rotation_weight * settings_.rotation_weight;
   const double alpha = i == 1 ? settings_.compliance_weight : 0;
   e->objective += miss.squaredNorm() + weight * turn * turn + alpha * state.energy;
-  const ElasticLinkage::Terms terms = linkage.terms(state.q);
-  Eigen::VectorXd L_q = alpha * terms.gradient;
-  L_q.segment<2>(linkage.tipIndex()) += 2 * miss;
-  L_q[linkage.rotationIndex()] += 2 * weight * turn;
-  e->gradient += linkage.adjoint(state, L_q, alpha * terms.by_X);
+  if (!derivatives) return;
+  StateSlopes L;
+  L.tip = 2 * miss;
+  L.wing_rotation = 2 * weight * turn;
+  L.energy = alpha;
+  e->gradient += linkage.gradient(state, L);
 }
 
-void ElasticWingProblem::addSecond(const ElasticLinkage& linkage, const ElasticState& state, bool derivatives,
+void ElasticWingProblem::addSecond(const LinkageModel& linkage, const ElasticState& state, bool derivatives,
                                    WingEvaluation* e) const {
   const Vector2d between = state.joint1 - state.joint2;
   e->constraints[ROW_SEPARATION] = (settings_.separation - between.norm()) / CONSTRAINT_LENGTH;
@@ -38,51 +51,34 @@ void ElasticWingProblem::addSecond(const ElasticLinkage& linkage, const ElasticS
   e->jacobian.row(ROW_JOINT1_Y) = s.joint1.row(1) / CONSTRAINT_LENGTH;
 }
 
-namespace {
-
-constexpr double FOLLOW_STEP = 0.02;  ///< [rad]
-
-/// At theta from the rigid position, or followed from rest where rigid bars would not reach.
-ElasticState stateAt(const ElasticLinkage& linkage, const FourBar& bar, double theta) {
-  if (poseAt(bar, theta)) return linkage.solve(theta);
-  const int steps = static_cast<int>(std::ceil(theta / FOLLOW_STEP));
-  std::vector<double> thetas;
-  for (int k = 0; k <= steps; ++k) thetas.push_back(theta * k / steps);
-  return linkage.trace(thetas).back();
-}
-
-}  // namespace
-
 WingEvaluation ElasticWingProblem::evaluate(const Vector4d& X, bool with_derivatives) const {
   WingEvaluation e = rigid_.evaluate(X, with_derivatives);
   e.objective = 0;
   e.gradient.setZero();
-  const ElasticLinkage linkage(this->linkage(X), settings_.bars, elastic_);
+  const auto linkage = rung_(this->linkage(X));
   double rotation[2];
   Eigen::RowVector4d slope[2];
   for (int i = 0; i < 2; ++i) {
-    const ElasticState state = stateAt(linkage, this->linkage(X), settings_.targets[i].arm_rotation);
+    const ElasticState state = linkage->reach(settings_.targets[i].arm_rotation);
     if (state.status != ElasticStatus::CONVERGED) {
       e.objective = std::numeric_limits<double>::infinity();
       return e;
     }
     rotation[i] = state.wing_rotation;
-    add(linkage, state, i, &e);
-    if (with_derivatives && settings_.dwell_weight > 0) slope[i] = linkage.sensitivity(state).wing_rotation;
-    if (i == 1) addSecond(linkage, state, with_derivatives, &e);
+    add(*linkage, state, i, with_derivatives, &e);
+    if (with_derivatives && settings_.dwell_weight > 0) slope[i] = linkage->sensitivity(state).wing_rotation;
+    if (i == 1) addSecond(*linkage, state, with_derivatives, &e);
   }
   const double wanted = settings_.wantedRotation(1) - settings_.wantedRotation(0);
   const double excess = rotation[1] - rotation[0] - wanted, weight = settings_.dwell_weight * settings_.dwell_weight;
   e.objective += weight * excess * excess;
   if (weight > 0 && with_derivatives) e.gradient += 2 * weight * excess * (slope[1] - slope[0]).transpose();
-  if (!with_derivatives) e.gradient.setZero();
   return e;
 }
 
-RungComparison compareRungs(const FourBar& bar, const WingBars& bars, const std::vector<double>& arm_rotation,
-                            const ElasticSettings& elastic) {
+RungComparison compareRungs(const LinkageModel& linkage, const std::vector<double>& arm_rotation) {
   const auto begin = std::chrono::steady_clock::now();
-  const ElasticLinkage linkage(bar, bars, elastic);
+  const FourBar& bar = linkage.layout();
   RungComparison c;
   c.arm_rotation = arm_rotation;
   for (const ElasticState& state : linkage.trace(arm_rotation)) {

@@ -148,7 +148,7 @@ WingLayout loadWing(const std::string& path) {
   reader.choice("format", {FORMAT});
   WingLayout w;
   w.name = reader.text("name");
-  w.rung = reader.choice("rung", {"rigid", "elastic"});
+  w.rung = reader.choice("rung", {"rigid", "elastic", "solid"});
   SettingsReader linkage = reader.map("linkage");
   w.linkage.auxiliary = readPair(&linkage, "auxiliary_joint");
   w.linkage.joint1 = readPair(&linkage, "joint1");

@@ -51,19 +51,24 @@ double barrierOf(const common::Vehicle& vehicle) {
 }
 
 /// Elastic bars over the table's travel: fills the stored energy and says how far the rigid bars are off.
-void compare(const WingSettings& s, const WingDesign& d, const common::Vehicle& vehicle, WingTable* table) {
-  const RungComparison c = compareRungs(d.linkage, s.bars, table->arm_rotation);
+void compare(const WingSettings& s, const WingDesign& d, const common::Vehicle& vehicle, const std::string& rung,
+             WingTable* table) {
+  const bool solid = rung == "solid";
+  const auto linkage = (solid ? solidRung(s.bars) : beamRung(s.bars))(d.linkage);
+  const RungComparison c = compareRungs(*linkage, table->arm_rotation);
   if (!c.converged) {
     std::cout << "  elastic rung: " << c.message << "; no stored energy in the table\n";
     table->provenance["stored_energy"] = "none: " + c.message;
     return;
   }
   table->stored_energy = c.stored_energy;
-  table->provenance["stored_energy"] = "elastic beams with friction at the pins, snapwing linkage_elastic";
-  std::cout << "  elastic rung: tip within " << 1e3 * c.largest_tip_error << " mm and wing within "
-            << c.largest_rotation_error << " rad of the rigid rung, branch " << (c.same_branch ? "kept" : "CHANGED")
-            << ", " << (c.stable ? "stable" : "NOT STABLE") << ", largest stress " << 1e-6 * c.largest_stress
-            << " MPa, " << 1e3 * c.seconds_per_state << " ms a state\n";
+  table->provenance["stored_energy"] =
+      std::string("elastic ") + (solid ? "solids" : "beams") + " with friction at the pins";
+  std::cout << "  elastic rung (" << (solid ? "solids" : "beams") << "): tip within " << 1e3 * c.largest_tip_error
+            << " mm and wing within " << c.largest_rotation_error << " rad of the rigid rung, branch "
+            << (c.same_branch ? "kept" : "CHANGED") << ", " << (c.stable ? "stable" : "NOT STABLE")
+            << ", largest stress " << 1e-6 * c.largest_stress << " MPa, " << 1e3 * c.seconds_per_state
+            << " ms a state\n";
   const double barrier = barrierOf(vehicle);
   std::cout << "  stored energy of two wings at most " << 2e3 * c.largest_energy
             << " mJ; the arms' barrier on the way back is " << 1e3 * barrier << " mJ: ratio "
@@ -93,7 +98,7 @@ void writeResults(const Options& options, const WingSettings& s, const WingDesig
   table->provenance["command"] = "snapwing design wing --rung " + options.rung;
   table->provenance["snapwing_version"] = common::version();
   table->provenance["settings_sha256"] = common::sha256OfFile(s.file);
-  compare(s, d, vehicle, &*table);
+  compare(s, d, vehicle, options.rung, &*table);
   const WingBlade blade(layout);
   const MassProperties mass = blade.massAt(*blade.poseAt(0, WingSide::LEFT));
   std::cout << "  one wing weighs " << 1e3 * mass.mass << " g; friction of both takes "
@@ -104,10 +109,14 @@ void writeResults(const Options& options, const WingSettings& s, const WingDesig
   std::cout << "  wrote wing.yaml, wing_table.h5 and parts to " << options.folder << "\n";
 }
 
+WingDesign designOn(const WingSettings& settings, const std::string& rung) {
+  if (rung == "rigid") return designWing(RigidWingProblem(settings));
+  return designWing(ElasticWingProblem(settings, rung == "solid" ? solidRung(settings.bars) : beamRung(settings.bars)));
+}
+
 void run(const Options& options, int* exit_code) {
   const WingSettings settings = loadWingSettings(options.settings);
-  const WingDesign design =
-      options.rung == "elastic" ? designWing(ElasticWingProblem(settings)) : designWing(RigidWingProblem(settings));
+  const WingDesign design = designOn(settings, options.rung);
   report(settings, design);
   if (design.status != WingStatus::DESIGNED) {
     *exit_code = 1;
@@ -124,8 +133,10 @@ void addDesignWingCommand(CLI::App& app, int& exit_code) {
   command->add_option("settings", options->settings, "Settings, e.g. config/designs/wing_paper.yaml")->required();
   command->add_option("-o,--output", options->folder, "Folder for wing.yaml, wing_table.h5 and parts")
       ->capture_default_str();
-  command->add_option("--rung", options->rung, "Bars that the design is made on; the elastic ones check it anyway")
-      ->check(CLI::IsMember({"rigid", "elastic"}))
+  command
+      ->add_option("--rung", options->rung,
+                   "Bars that the design is made on: rigid, elastic (beams) or solid; elastic ones check it anyway")
+      ->check(CLI::IsMember({"rigid", "elastic", "solid"}))
       ->capture_default_str();
   command->add_option("--points", options->points, "Points of the table over the travel")
       ->check(CLI::Range(2, 100000))

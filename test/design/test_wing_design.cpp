@@ -15,21 +15,6 @@ namespace {
 
 using Eigen::Vector4d;
 
-/// Worst relative error of central differences of objective and constraints at one step.
-double slopeError(const WingProblem& problem, const Vector4d& X, double step) {
-  const WingEvaluation at = problem.evaluate(X, true);
-  double worst = 0;
-  for (int i = 0; i < 4; ++i) {
-    const Vector4d e = step * Vector4d::Unit(i);
-    const WingEvaluation high = problem.evaluate(X + e, false), low = problem.evaluate(X - e, false);
-    worst = std::max(worst, std::abs((high.objective - low.objective) / (2 * step) - at.gradient[i]) /
-                                at.gradient.cwiseAbs().maxCoeff());
-    const Eigen::VectorXd rows = (high.constraints - low.constraints) / (2 * step) - at.jacobian.col(i);
-    worst = std::max(worst, rows.cwiseAbs().maxCoeff() / at.jacobian.cwiseAbs().maxCoeff());
-  }
-  return worst;
-}
-
 TEST(WingProblem, ObjectiveAndConstraintsMatchDifferences) {
   WingSettings settings = paperSettings();
   settings.dwell_weight = 0.05;

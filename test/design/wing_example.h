@@ -39,4 +39,19 @@ inline std::vector<FourBar> randomFeasible(int count, double largest, double mar
   return found;
 }
 
+/// Worst relative error of the gradient by central differences.
+inline double slopeError(const WingProblem& problem, const Eigen::Vector4d& X, double step) {
+  const WingEvaluation at = problem.evaluate(X, true);
+  double worst = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector4d e = step * Eigen::Vector4d::Unit(i);
+    const WingEvaluation high = problem.evaluate(X + e, false), low = problem.evaluate(X - e, false);
+    worst = std::max(worst, std::abs((high.objective - low.objective) / (2 * step) - at.gradient[i]) /
+                                at.gradient.cwiseAbs().maxCoeff());
+    const Eigen::VectorXd rows = (high.constraints - low.constraints) / (2 * step) - at.jacobian.col(i);
+    worst = std::max(worst, rows.cwiseAbs().maxCoeff() / at.jacobian.cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
 }  // namespace snapwing::design

@@ -12,7 +12,7 @@ namespace snapwing::design {
 /// One wing in the linkage frame (origin at the arm's axle, x outward, y up), and where that frame sits.
 struct WingLayout {
   std::string name;
-  std::string rung;  ///< "rigid" or "elastic": what designed it
+  std::string rung;  ///< "rigid", "elastic" (beams) or "solid": what designed it
   FourBar linkage;
   int wing_sign = 1;                     ///< sense in which the wing folds
   std::array<double, 2> arm_rotation{};  ///< of the two driven states [rad]
