@@ -130,6 +130,14 @@ Limits readLimits(SettingsReader reader) {
   return l;
 }
 
+WingFiles readWing(SettingsReader reader) {
+  WingFiles w;
+  w.layout_file = reader.resolvePath(reader.text("layout_file"));
+  w.table_file = reader.resolvePath(reader.text("table_file"));
+  reader.finish();
+  return w;
+}
+
 }  // namespace
 
 Vehicle loadVehicle(const std::string& path) {
@@ -149,6 +157,7 @@ Vehicle loadVehicle(const std::string& path) {
   v.boom = readBoom(reader.map("boom"));
   v.radio = readRadio(reader.map("radio"));
   v.limits = readLimits(reader.map("limits"));
+  if (reader.has("wing")) v.wing = readWing(reader.map("wing"));
   reader.finish();
   return v;
 }

@@ -42,6 +42,13 @@ struct Moments {
     for (const Vector3d& v : t) all += v * v.transpose();
     second += m / 12 * all;
   }
+  void add(double m, const std::vector<Vector3d>& points) {
+    if (points.size() == 2) {
+      addRod(m, points[0], points[1]);
+    } else {
+      addTriangle(m, {points[0], points[1], points[2]});
+    }
+  }
   MassProperties about() const {
     MassProperties p;
     p.mass = mass;
@@ -105,25 +112,50 @@ std::optional<WingBladePose> WingBlade::poseAt(double theta, WingSide side) cons
   return pose;
 }
 
-MassProperties WingBlade::massAt(const WingBladePose& pose) const {
+/// A thin rod (two points) or a thin triangle (three).
+struct WingBlade::Body {
+  double mass = 0;
+  std::vector<Vector3d> points;
+};
+
+std::vector<WingBlade::Body> WingBlade::bodiesOf(const WingBladePose& pose) const {
   const WingBladeSettings& blade = layout_.blade;
   const WingBars& bars = layout_.bars;
-  Moments all;
+  std::vector<Body> bodies;
   for (const Triangle& panel : pose.panels) {
-    all.addTriangle(blade.film_density * blade.film_thickness * areaOf(panel), panel);
+    const double film = blade.film_density * blade.film_thickness * areaOf(panel);
+    bodies.push_back({film, {panel.begin(), panel.end()}});
   }
   const double rib = blade.rib_density * blade.rib_width * blade.rib_thickness * edge_length_;
   for (const int i : {1, 2}) {
     const Vector3d middle = (0.5 * (pose.edges[i] + pose.edges[i + 1]) - pose.joint2).normalized();
-    all.addRod(rib, pose.joint2, pose.joint2 + edge_length_ * middle);
+    bodies.push_back({rib, {pose.joint2, pose.joint2 + edge_length_ * middle}});
   }
   const double rod = blade.rod_density * M_PI / 4 * blade.rod_diameter * blade.rod_diameter;
-  all.addRod(rod * edge_length_, pose.joint2, pose.tip);
+  bodies.push_back({rod * edge_length_, {pose.joint2, pose.tip}});
   const double bar = bars.mass_density * bars.width * bars.thickness;
   const std::array<std::pair<Vector3d, Vector3d>, 3> ends{
       {{pose.axle, pose.joint1}, {pose.joint1, pose.joint2}, {pose.auxiliary, pose.joint2}}};
-  for (const auto& [a, b] : ends) all.addRod(bar * (b - a).norm(), a, b);
+  for (const auto& [a, b] : ends) bodies.push_back({bar * (b - a).norm(), {a, b}});
+  return bodies;
+}
+
+MassProperties WingBlade::massAt(const WingBladePose& pose) const {
+  Moments all;
+  for (const Body& body : bodiesOf(pose)) all.add(body.mass, body.points);
   return all.about();
+}
+
+double WingBlade::kineticMass(const WingBladePose& at, const WingBladePose& before, const WingBladePose& after,
+                              double du) const {
+  const std::vector<Body> now = bodiesOf(at), from = bodiesOf(before), to = bodiesOf(after);
+  Moments all;  // of the velocities per du/dt, which are linear along rods and triangles as places are
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    std::vector<Vector3d> rates;
+    for (std::size_t k = 0; k < now[i].points.size(); ++k) rates.push_back((to[i].points[k] - from[i].points[k]) / du);
+    all.add(now[i].mass, rates);
+  }
+  return all.second.trace();
 }
 
 std::optional<double> WingBlade::frictionForce(double theta, double slope, WingSide side) const {

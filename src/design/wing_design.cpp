@@ -109,16 +109,17 @@ void assess(const WingSettings& s, WingDesign* d) {
   if (!walls) d->message += "; joints outside the walls or closer than the separation";
 }
 
-WingDesign designWing(const WingProblem& problem, const std::function<bool()>& go_on) {
+WingDesign designWing(const WingProblem& problem, const std::function<bool(const WingProgress&)>& go_on) {
   const auto begin = std::chrono::steady_clock::now();
   const WingSettings& s = problem.settings();
   s.validate();
   const RigidWingProblem rigid(s);
   WingDesign design;
   design.samples = s.samples;
-  double least_violation = std::numeric_limits<double>::infinity();
+  WingProgress progress;
+  progress.runs = s.starts;
   for (const Vector4d& start : sampleLayouts(rigid, s.samples, s.starts, static_cast<unsigned>(s.seed))) {
-    if (go_on && !go_on()) {
+    if (go_on && !go_on(progress)) {
       design.status = WingStatus::CANCELLED;
       design.message = "cancelled after " + std::to_string(design.runs) + " local runs";
       return design;
@@ -126,10 +127,13 @@ WingDesign designWing(const WingProblem& problem, const std::function<bool()>& g
     const LocalResult run = improve(problem, start);
     ++design.runs;
     design.evaluations += run.evaluations;
-    least_violation = std::min(least_violation, run.violation);
+    progress.run = design.runs;
+    progress.violation = std::min(progress.violation, run.violation);
     const bool good = run.violation <= FEASIBLE && buildable(problem.linkage(run.X)) &&
                       marginKept(s, checkTravel(problem.linkage(run.X), s.targets[1].arm_rotation));
-    if (good) keepDistinct(run, &design.runners_up);
+    if (!good) continue;
+    keepDistinct(run, &design.runners_up);
+    progress.objective = std::min(progress.objective, run.objective);
   }
   std::stable_sort(design.runners_up.begin(), design.runners_up.end(),
                    [](const LocalResult& a, const LocalResult& b) { return a.objective < b.objective; });
@@ -138,7 +142,7 @@ WingDesign designWing(const WingProblem& problem, const std::function<bool()>& g
   if (design.runners_up.empty()) {
     std::ostringstream text;
     text << "none of " << design.runs << " starts reached a layout within the constraints; least violation "
-         << least_violation << " (scaled)";
+         << progress.violation << " (scaled)";
     design.status = WingStatus::INFEASIBLE;
     design.message = text.str();
     return design;

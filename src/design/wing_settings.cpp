@@ -1,8 +1,10 @@
 #include "snapwing/design/wing_settings.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
 
 namespace snapwing::design {
 
@@ -99,6 +101,11 @@ struct CurveStates {
   std::optional<double> second, largest;  ///< [rad]
 };
 
+/// A table by its name and contents; where it lies is nobody's business.
+std::string tableName(const std::string& path) {
+  return "table " + std::filesystem::path(path).filename().string() + ", sha256 " + common::sha256OfFile(path);
+}
+
 /// theta(u) from the arm's own table or from points; the driven states of the table where it is one.
 CurveStates readMotion(SettingsReader reader, WingSettings* s) {
   CurveStates states;
@@ -109,7 +116,7 @@ CurveStates readMotion(SettingsReader reader, WingSettings* s) {
     const common::ForceTable table = common::loadForceTable(path);
     const double second = common::curveFeatures(table).second_travel;
     if (!std::isfinite(second)) reader.fail("table", path, "a bistable arm: the curve has no second equilibrium");
-    s->motion = ArmMotion::fromTable(table, "table " + path);
+    s->motion = ArmMotion::fromTable(table, tableName(path));
     states = {s->motion->rotation(second), s->motion->rotation(largest)};
   } else {
     const auto count = static_cast<std::size_t>(reader.integer("points", 3, 10000));

@@ -7,42 +7,6 @@
 
 namespace snapwing::design {
 
-void forEachColumn(WingTable* t, const std::function<void(const char*, const char*, std::vector<double>*)>& visit) {
-  visit("travel", "m", &t->travel);
-  visit("arm_rotation", "rad", &t->arm_rotation);
-  visit("wing_angle", "rad", &t->wing_angle);
-  visit("rocker_angle", "rad", &t->rocker_angle);
-  visit("joint1_x", "m", &t->joint1_x);
-  visit("joint1_y", "m", &t->joint1_y);
-  visit("joint2_x", "m", &t->joint2_x);
-  visit("joint2_y", "m", &t->joint2_y);
-  visit("tip_x", "m", &t->tip_x);
-  visit("tip_y", "m", &t->tip_y);
-  visit("transmission_ratio", "1", &t->transmission_ratio);
-  visit("angle_per_travel", "rad/m", &t->angle_per_travel);
-  visit("transmission_angle", "rad", &t->transmission_angle);
-  visit("stored_energy", "J", &t->stored_energy);
-}
-
-void WingTable::validate() const {
-  WingTable copy = *this;
-  const std::size_t size = travel.size();
-  if (size < 2) throw common::Error("wing table: " + std::to_string(size) + " points; allowed: at least 2");
-  forEachColumn(&copy, [&](const char* name, const char*, std::vector<double>* column) {
-    const bool may_be_empty = column == &copy.stored_energy;
-    if (column->size() != size && !(may_be_empty && column->empty())) {
-      throw common::Error(std::string("wing table: '") + name + "' has " + std::to_string(column->size()) +
-                          " entries; allowed: " + std::to_string(size));
-    }
-    for (const double value : *column) {
-      if (!std::isfinite(value)) throw common::Error(std::string("wing table: '") + name + "' is not finite");
-    }
-  });
-  for (std::size_t i = 1; i < size; ++i) {
-    if (!(travel[i] > travel[i - 1])) throw common::Error("wing table: 'travel' does not increase");
-  }
-}
-
 std::optional<WingTable> tabulate(const FourBar& bar, const ArmMotion& motion, double largest, int points) {
   if (points < 2) throw common::Error("wing table: " + std::to_string(points) + " points; allowed: at least 2");
   WingTable t;
@@ -67,6 +31,33 @@ std::optional<WingTable> tabulate(const FourBar& bar, const ArmMotion& motion, d
   t.provenance = {{"rung", "rigid"}, {"arm_motion", motion.source()}, {"stored_energy", "none: rigid bars store none"}};
   t.validate();
   return t;
+}
+
+void addBlade(const WingBlade& blade, const ArmMotion& motion, WingTable* table) {
+  const WingLayout& layout = blade.layout();
+  table->axle = {layout.axle_radius, -layout.axle_below_ring};
+  table->auxiliary = {layout.linkage.auxiliary.x(), layout.linkage.auxiliary.y()};
+  constexpr double STEP = 1e-5;  // [m] of u, for velocities
+  for (const double u : table->travel) {
+    const auto pose = blade.poseAt(motion.rotation(u), WingSide::LEFT);
+    const double low = std::max(0.0, u - STEP), high = std::min(motion.largestTravel(), u + STEP);
+    const auto before = blade.poseAt(motion.rotation(low), WingSide::LEFT),
+               after = blade.poseAt(motion.rotation(high), WingSide::LEFT);
+    if (!pose || !before || !after) throw common::Error("wing table: the loop opens at u = " + std::to_string(u));
+    for (std::size_t i = 0; i < table->folds.size(); ++i) {
+      const Eigen::Vector3d& end = pose->edges[i + 1];  // frame "ring", left wing: (out of plane, outward, up)
+      table->folds[i].x.push_back(end.y() - layout.axle_radius);
+      table->folds[i].y.push_back(end.z() + layout.axle_below_ring);
+      table->folds[i].z.push_back(end.x());
+    }
+    table->kinetic_mass.push_back(2 * blade.kineticMass(*pose, *before, *after, high - low));
+    double friction = 0;
+    for (const WingSide side : {WingSide::LEFT, WingSide::RIGHT}) {
+      friction += blade.frictionForce(motion.rotation(u), motion.slope(u), side).value_or(0);
+    }
+    table->friction_force.push_back(friction);
+  }
+  table->validate();
 }
 
 }  // namespace snapwing::design

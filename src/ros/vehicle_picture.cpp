@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "snapwing/ros/marker_parts.h"
+#include "snapwing/ros/wing_picture.h"
 
 namespace snapwing::nodes {
 
@@ -98,7 +99,11 @@ MarkerArray VehiclePicture::draw(const PictureState& state) const {
   drawFrame(out, state);
   drawRotors(out, state);
   drawArms(out, state);
-  drawWings(out, state);
+  if (wing_) {
+    drawDesignedWings(*wing_, state.travel, &out);
+  } else {
+    drawWings(out, state);
+  }
   drawLabel(out, state);
   for (Marker& marker : out.markers) {
     marker.header.stamp = state.stamp;
@@ -186,8 +191,9 @@ void VehiclePicture::drawArms(MarkerArray& out, const PictureState& state) const
   }
 }
 
-/// The wing is a fan of flat panels in the arm's plane. One rib is fixed and points down; the other one turns with the
-/// wing angle. As the fan closes, its panels keep their chord and fold zig-zag out of the plane.
+/// A vehicle without a designed wing: the wing is a fan of flat panels in the arm's plane. One rib is fixed and points
+/// down; the other one turns with the wing angle. As the fan closes, its panels keep their chord and fold zig-zag out
+/// of the plane.
 void VehiclePicture::drawWings(MarkerArray& out, const PictureState& state) const {
   const common::Geometry& g = vehicle_.geometry;
   const double open = std::clamp(settings_.wing_span_angle - state.wing_angle, 0.02, settings_.wing_span_angle);

@@ -1,19 +1,11 @@
 // `snapwing design wing CONFIG -o DIR`: the wing's linkage from a settings file to layout, table and parts.
 #include <CLI/CLI.hpp>
-#include <filesystem>
+#include <algorithm>
 #include <iostream>
-#include <limits>
 #include <memory>
 
 #include "commands.h"
-#include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
-#include "snapwing/common/vehicle.h"
-#include "snapwing/design/wing_blade.h"
-#include "snapwing/design/wing_elastic_problem.h"
-#include "snapwing/design/wing_layout.h"
-#include "snapwing/design/wing_parts.h"
-#include "snapwing/design/wing_table.h"
+#include "snapwing/design/wing_outcome.h"
 
 namespace snapwing::tools {
 
@@ -44,85 +36,51 @@ void report(const WingSettings& s, const WingDesign& d) {
             << 1e3 * s.wall_joint1_y << ")\n";
 }
 
-/// The arms' energy barrier on the way back, of the whole vehicle [J]; NaN where there is no table.
-double barrierOf(const common::Vehicle& vehicle) {
-  if (!std::filesystem::exists(vehicle.arm.table_file)) return std::numeric_limits<double>::quiet_NaN();
-  return common::curveFeatures(common::loadForceTable(vehicle.arm.table_file)).barrier_back;
-}
-
-/// Elastic bars over the table's travel: fills the stored energy and says how far the rigid bars are off.
-void compare(const WingSettings& s, const WingDesign& d, const common::Vehicle& vehicle, const std::string& rung,
-             WingTable* table) {
-  const bool solid = rung == "solid";
-  const auto linkage = (solid ? solidRung(s.bars) : beamRung(s.bars))(d.linkage);
-  const RungComparison c = compareRungs(*linkage, table->arm_rotation);
+void reportElastic(const WingOutcome& o, WingRung rung) {
+  const RungComparison& c = o.comparison;
   if (!c.converged) {
     std::cout << "  elastic rung: " << c.message << "; no stored energy in the table\n";
-    table->provenance["stored_energy"] = "none: " + c.message;
     return;
   }
-  table->stored_energy = c.stored_energy;
-  table->provenance["stored_energy"] =
-      std::string("elastic ") + (solid ? "solids" : "beams") + " with friction at the pins";
-  std::cout << "  elastic rung (" << (solid ? "solids" : "beams") << "): tip within " << 1e3 * c.largest_tip_error
-            << " mm and wing within " << c.largest_rotation_error << " rad of the rigid rung, branch "
-            << (c.same_branch ? "kept" : "CHANGED") << ", " << (c.stable ? "stable" : "NOT STABLE")
-            << ", largest stress " << 1e-6 * c.largest_stress << " MPa, " << 1e3 * c.seconds_per_state
-            << " ms a state\n";
-  const double barrier = barrierOf(vehicle);
+  std::cout << "  elastic rung (" << (rung == WingRung::SOLIDS ? "solids" : "beams") << "): tip within "
+            << 1e3 * c.largest_tip_error << " mm and wing within " << c.largest_rotation_error
+            << " rad of the rigid rung, branch " << (c.same_branch ? "kept" : "CHANGED") << ", "
+            << (c.stable ? "stable" : "NOT STABLE") << ", largest stress " << 1e-6 * c.largest_stress << " MPa, "
+            << 1e3 * c.seconds_per_state << " ms a state\n";
   std::cout << "  stored energy of two wings at most " << 2e3 * c.largest_energy
-            << " mJ; the arms' barrier on the way back is " << 1e3 * barrier << " mJ: ratio "
-            << 2 * c.largest_energy / barrier << "\n";
+            << " mJ; the arms' barrier on the way back is " << 1e3 * o.barrier_back << " mJ: ratio "
+            << 2 * c.largest_energy / o.barrier_back << "\n";
 }
 
-/// Work of friction in both wings on one way over the travel. [J]
-double frictionWork(const WingBlade& blade, const WingSettings& s, const WingTable& table) {
-  double work = 0;
-  for (std::size_t i = 1; i < table.travel.size(); ++i) {
-    const double u = 0.5 * (table.travel[i - 1] + table.travel[i]), step = table.travel[i] - table.travel[i - 1];
-    for (const WingSide side : {WingSide::LEFT, WingSide::RIGHT}) {
-      work += step * blade.frictionForce(s.motion->rotation(u), s.motion->slope(u), side).value_or(0);
-    }
-  }
-  return work;
+void reportMass(const WingOutcome& o) {
+  const std::vector<double>& mass = o.table.kinetic_mass;
+  std::cout << "  one wing weighs " << 1e3 * o.mass << " g; friction of both takes " << 1e3 * o.friction_work
+            << " mJ on one way; both add " << mass.front() << " kg at rest, at most "
+            << *std::max_element(mass.begin(), mass.end()) << " kg and " << mass.back()
+            << " kg at the end to the inertia against u\n";
 }
 
-void writeResults(const Options& options, const WingSettings& s, const WingDesign& d) {
-  const std::filesystem::path folder(options.folder);
-  std::filesystem::create_directories(folder);
-  const common::Vehicle vehicle = common::loadVehicle(s.vehicle_file);
-  const WingLayout layout = layoutOf(s, d, vehicle, options.rung);
-  const double largest = s.motion->travelAt(s.targets[1].arm_rotation);
-  auto table = tabulate(d.linkage, *s.motion, largest, options.points);
-  if (!table) throw common::Error("wing table: the loop opens within the travel although the design was accepted");
-  table->provenance["command"] = "snapwing design wing --rung " + options.rung;
-  table->provenance["snapwing_version"] = common::version();
-  table->provenance["settings_sha256"] = common::sha256OfFile(s.file);
-  compare(s, d, vehicle, options.rung, &*table);
-  const WingBlade blade(layout);
-  const MassProperties mass = blade.massAt(*blade.poseAt(0, WingSide::LEFT));
-  std::cout << "  one wing weighs " << 1e3 * mass.mass << " g; friction of both takes "
-            << 1e3 * frictionWork(blade, s, *table) << " mJ on one way\n";
-  saveWing(layout, s, d, (folder / "wing.yaml").string());
-  saveWingTable(*table, (folder / "wing_table.h5").string());
-  saveParts(layout, (folder / "parts").string());
-  std::cout << "  wrote wing.yaml, wing_table.h5 and parts to " << options.folder << "\n";
-}
-
-WingDesign designOn(const WingSettings& settings, const std::string& rung) {
-  if (rung == "rigid") return designWing(RigidWingProblem(settings));
-  return designWing(ElasticWingProblem(settings, rung == "solid" ? solidRung(settings.bars) : beamRung(settings.bars)));
+void reportClearance(const WingClearance& c) {
+  std::cout << "  propellers: bars and leading edge at least " << 1e3 * c.bars << " mm away (arm at " << c.bars_at
+            << " rad), blade at least " << 1e3 * c.blade << " mm (arm at " << c.blade_at << " rad)\n";
 }
 
 void run(const Options& options, int* exit_code) {
   const WingSettings settings = loadWingSettings(options.settings);
-  const WingDesign design = designOn(settings, options.rung);
-  report(settings, design);
-  if (design.status != WingStatus::DESIGNED) {
+  WingJob job;
+  job.folder = options.folder;
+  job.rung = wingRungOf(options.rung);
+  job.points = options.points;
+  const WingOutcome outcome = designWingInto(settings, job);
+  report(settings, outcome.design);
+  if (outcome.design.status != WingStatus::DESIGNED) {
     *exit_code = 1;
     return;
   }
-  writeResults(options, settings, design);
+  reportElastic(outcome, job.rung);
+  reportMass(outcome);
+  reportClearance(outcome.clearance);
+  std::cout << "  wrote wing.yaml, wing_table.h5 and parts to " << options.folder << "\n";
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST(WingDesign, CanBeCancelled) {
   WingSettings settings = paperSettings();
   settings.samples = 2000;
   int asked = 0;
-  const WingDesign design = designWing(RigidWingProblem(settings), [&] { return ++asked < 3; });
+  const WingDesign design = designWing(RigidWingProblem(settings), [&](const WingProgress&) { return ++asked < 3; });
   EXPECT_EQ(design.status, WingStatus::CANCELLED);
   EXPECT_EQ(design.runs, 2);
 }

@@ -11,7 +11,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 
 from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, OptimizeDesignAction, OptimizeDesignFeedback,
-                          OptimizeDesignGoal, OptimizeDesignResult)
+                          OptimizeDesignGoal, OptimizeDesignResult, WingGeometry)
 
 
 class Design(unittest.TestCase):
@@ -59,6 +59,24 @@ class Design(unittest.TestCase):
         rest = self.ask()
         self.assertEqual(rest.code, OptimizeDesignResult.SUCCEEDED, rest.message)
         self.assertGreaterEqual(self.feedback[0].iteration, 2)
+
+    def test_wing_is_designed_once_and_published(self):
+        own = rospy.wait_for_message("wing_geometry", WingGeometry, timeout=10)
+        self.assertTrue(os.path.exists(own.table_file))
+        first = self.ask("wing_small.yaml", OptimizeDesignGoal.WING)
+        self.assertEqual(first.code, OptimizeDesignResult.SUCCEEDED, first.message)
+        self.assertTrue(first.verdict and first.targets_met)
+        self.assertGreater(len(self.feedback), 1)
+        wing = rospy.wait_for_message("designed/wing_geometry", WingGeometry, timeout=10)
+        self.assertEqual(wing.table_file, os.path.join(first.folder, "wing_table.h5"))
+        self.assertTrue(os.path.exists(wing.table_file))
+        for reached, wanted in zip(wing.wing_rotation, (2.45, 2.46)):
+            self.assertLess(abs(reached - wanted), 0.15)
+        again = self.ask("wing_small.yaml", OptimizeDesignGoal.WING)
+        self.assertTrue(again.from_store)
+        self.assertEqual((again.folder, again.verdict), (first.folder, first.verdict))
+        self.assertAlmostEqual(again.objective, first.objective, delta=1e-9)
+        self.assertEqual(self.ask("wing_closed.yaml", OptimizeDesignGoal.WING).code, OptimizeDesignResult.INFEASIBLE)
 
     def test_bad_input_is_named(self):
         missing = self.ask("no_such_file.yaml")

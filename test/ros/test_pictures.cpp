@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "snapwing/common/wing_table.h"
 #include "snapwing/ros/vehicle_picture.h"
 
 namespace snapwing::nodes {
@@ -61,6 +62,30 @@ TEST_F(Picture, NoStrainAtRestAndSomeInQuadrotorMode) {
   }
   EXPECT_LT(rest, 1e-3);
   EXPECT_GT(moved, 0.02);
+}
+
+TEST_F(Picture, DesignedWingsAreMirroredAndFoldAsTheTableSays) {
+  const common::WingTable wing = common::loadWingTable(vehicle_.wing.table_file);
+  ASSERT_TRUE(wing.hasBlade());
+  picture_.useWing(wing);
+  const auto tipOf = [&](double travel, int id) {
+    PictureState state;
+    state.travel = travel;
+    for (const auto& marker : picture_.draw(state).markers) {
+      if (marker.ns == "linkage" && marker.id == id) return marker.points.back();
+    }
+    ADD_FAILURE() << "no linkage marker " << id;
+    return geometry_msgs::Point();
+  };
+  for (const double travel : {0.0, 0.03, wing.travel.back(), 2 * wing.travel.back()}) {
+    const auto left = tipOf(travel, 0), right = tipOf(travel, 2);
+    EXPECT_NEAR(left.y, -right.y, 1e-12);
+    EXPECT_NEAR(left.z, right.z, 1e-12);
+    EXPECT_NEAR(left.y - wing.axle[0], wing.at(wing.tip_x, travel), 1e-12);
+  }
+  // At rest the leading edge reaches out, folded it points up and in.
+  EXPECT_GT(tipOf(0, 0).y, 0.25);
+  EXPECT_LT(tipOf(0.07, 0).y, 0.12);
 }
 
 TEST_F(Picture, HousingMovesDownByTravel) {

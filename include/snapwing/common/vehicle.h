@@ -90,6 +90,12 @@ struct Limits {
   double travel_max = 0;  ///< [m] mechanical stop, or end of what was computed
 };
 
+/// The designed wing, if the vehicle has one; absolute paths, empty if not.
+struct WingFiles {
+  std::string layout_file;  ///< wing.yaml of `snapwing design wing`
+  std::string table_file;   ///< its table against u [HDF5]
+};
+
 struct Vehicle {
   std::string name;
   std::string file;    ///< where it was read from
@@ -105,6 +111,7 @@ struct Vehicle {
   Boom boom;
   Radio radio;
   Limits limits;
+  WingFiles wing;
 };
 
 /// @throws FileError, SettingError (names key, value and what is allowed)

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "snapwing/design/wing_layout.h"
 
@@ -50,6 +51,9 @@ class WingBlade {
   std::optional<WingBladePose> poseAt(double theta, WingSide side) const;
   /// Of one wing at a pose: film, ribs, leading edge rod and the three bars.
   MassProperties massAt(const WingBladePose& pose) const;
+  /// m in T = 1/2 m (du/dt)^2 of one wing against the ring. [kg]
+  /// @param at  the pose; before, after  poses at travels that lie `du` [m] apart around it
+  double kineticMass(const WingBladePose& at, const WingBladePose& before, const WingBladePose& after, double du) const;
   /// Force that friction at the four pins adds against the housing's motion [N], positive.
   /// @param theta  [rad]; @param slope  d theta / d u [rad/m]; @return none where the loop does not close
   std::optional<double> frictionForce(double theta, double slope, WingSide side) const;
@@ -59,6 +63,8 @@ class WingBlade {
   const WingLayout& layout() const { return layout_; }
 
  private:
+  struct Body;
+  std::vector<Body> bodiesOf(const WingBladePose& pose) const;
   double spanAt(const FourBarPose& pose) const;
   WingLayout layout_;
   double edge_length_ = 0;

@@ -58,8 +58,15 @@ std::vector<Eigen::Vector4d> sampleLayouts(const WingProblem& problem, int sampl
 /// One local run from X with the settings' optimiser.
 LocalResult improve(const WingProblem& problem, const Eigen::Vector4d& X);
 
+/// Where a design stands between two local runs.
+struct WingProgress {
+  int run = 0, runs = 0;                                       ///< done, of
+  double objective = std::numeric_limits<double>::infinity();  ///< of the best feasible layout so far [m2]
+  double violation = std::numeric_limits<double>::infinity();  ///< least so far, scaled
+};
+
 /// @param go_on  called between local runs; false cancels
-WingDesign designWing(const WingProblem& problem, const std::function<bool()>& go_on = nullptr);
+WingDesign designWing(const WingProblem& problem, const std::function<bool(const WingProgress&)>& go_on = nullptr);
 
 /// Fills states, travel check and wall distances of a layout (rigid bars), and the status that follows from them.
 void assess(const WingSettings& settings, WingDesign* design);

@@ -9,12 +9,14 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/mode.h"
 #include "snapwing/common/vehicle.h"
+#include "snapwing/common/wing_table.h"
 #include "snapwing/ros/triangulation.h"
 
 namespace snapwing::nodes {
@@ -39,6 +41,9 @@ struct PictureState {
 class VehiclePicture {
  public:
   VehiclePicture(const common::Vehicle& vehicle, const common::ForceTable& table, const PictureSettings& settings);
+
+  /// Shows the designed wings instead of a plain fan at every arm. @param wing  with a blade
+  void useWing(const common::WingTable& wing) { wing_ = wing; }
 
   /// Same namespaces and ids on every call, so that each call replaces the last picture.
   visualization_msgs::MarkerArray draw(const PictureState& state) const;
@@ -69,6 +74,7 @@ class VehiclePicture {
   PictureSettings settings_;
   std::vector<Loop> rest_;
   std::vector<Shape> shapes_;
+  std::optional<common::WingTable> wing_;
 };
 
 }  // namespace snapwing::nodes

@@ -1,6 +1,6 @@
-/// design_node: publishes, once and latched, the vehicle's arm and the force-displacement curve that was computed for
-/// it, and warns if the curve was computed from other inputs than those now on disk. Action optimize_design: designs a
-/// part from a settings file, or finds the stored result of the same inputs.
+/// design_node: publishes, once and latched, the vehicle's arm, the force-displacement curve that was computed for it
+/// and its wing, and warns if the curve was computed from other inputs than those now on disk. Action optimize_design:
+/// designs a part from a settings file, or finds the stored result of the same inputs.
 
 #include <actionlib/server/simple_action_server.h>
 #include <ros/console.h>
@@ -19,6 +19,7 @@
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
+#include "snapwing/ros/wing_designer.h"
 
 namespace snapwing::nodes {
 
@@ -48,6 +49,7 @@ class DesignNode {
         designs_(params.textOr("designs_folder", besideVehicle())),
         store_(params.textOr("store_folder", defaultStore())),
         arm_designer_(handles.relative, frame_),
+        wing_designer_(handles.relative, vehicle_, frame_),
         server_(
             handles.relative, topics::OPTIMIZE_DESIGN,
             [this](const OptimizeDesignGoalConstPtr& goal) { onGoal(*goal); }, false) {
@@ -96,8 +98,10 @@ class DesignNode {
     switch (job.goal.kind) {
       case OptimizeDesignGoal::ARM:
         return arm_designer_.run(job);
+      case OptimizeDesignGoal::WING:
+        return wing_designer_.run(job);
       default:
-        throw common::Error("kind is " + std::to_string(job.goal.kind) + "; allowed: 1 (arm)");
+        throw common::Error("kind is " + std::to_string(job.goal.kind) + "; allowed: 1 (arm), 2 (wing)");
     }
   }
 
@@ -133,6 +137,7 @@ class DesignNode {
   ros::Publisher geometry_;
   ros::Publisher curve_;
   ArmDesigner arm_designer_;
+  WingDesigner wing_designer_;
   Server server_;  ///< last: its thread uses all of the above
 };
 

@@ -14,9 +14,13 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <optional>
 
+#include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
+#include "snapwing/common/wing_table.h"
 #include "snapwing/planning/mode_estimator.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
@@ -36,7 +40,7 @@ struct WingStateSettings {
   double link_timeout = 0;    ///< [s] without link status the motors count as stopped
   double state_rate = 0;      ///< [Hz]
   double marker_rate = 0;     ///< [Hz]
-  double wing_gear = 0;       ///< [1] wing rotation / arm rotation
+  double wing_gear = 0;       ///< [1] wing rotation / arm rotation, of a vehicle without a wing table
   double display_height = 0;  ///< [m] of base_link over map
   std::string map_frame;
   PictureSettings picture;
@@ -88,6 +92,7 @@ class WingStateNode {
         estimator_(vehicle_, table_, settings_.estimator),
         picture_(vehicle_, table_, settings_.picture) {
     params.finish();
+    useWing();
     ros::NodeHandle& nh = handles.relative;
     state_publisher_ = nh.advertise<ModeState>(topics::MODE_STATE, 50);
     marker_publisher_ = nh.advertise<visualization_msgs::MarkerArray>(topics::MARKERS, 5);
@@ -172,8 +177,16 @@ class WingStateNode {
     publishFrames(stamp);
   }
 
-  /// [rad] 0 = unfolded; follows the arm's rotation at the estimated travel.
+  void useWing() {
+    if (vehicle_.wing.table_file.empty()) return;
+    wing_ = common::loadWingTable(vehicle_.wing.table_file);
+    if (!wing_->hasBlade()) throw common::FileError(vehicle_.wing.table_file, "has no blade: made by an older version");
+    picture_.useWing(*wing_);
+  }
+
+  /// [rad] 0 = unfolded, positive as the wing folds: by the wing's table at the estimated travel, or by a fixed gear.
   double wingAngle() const {
+    if (wing_) return std::copysign(1.0, wing_->wing_angle.back()) * wing_->at(wing_->wing_angle, estimate_.travel);
     const auto& u = table_.travel;
     const double travel = std::clamp(estimate_.travel, u.front(), u.back());
     const auto upper = std::upper_bound(u.begin() + 1, u.end() - 1, travel);
@@ -248,6 +261,7 @@ class WingStateNode {
   common::ForceTable table_;
   planning::ModeEstimator estimator_;
   VehiclePicture picture_;
+  std::optional<common::WingTable> wing_;
   planning::ModeEstimate estimate_;
   std::multimap<double, Input> inputs_;
   LinkStatus link_status_;

@@ -5,20 +5,19 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/hdf5_file.h"
-#include "snapwing/design/wing_table.h"
+#include "snapwing/common/wing_table.h"
 
-namespace snapwing::design {
+namespace snapwing::common {
 
-using common::FileError;
-using common::hdf5::check;
-using common::hdf5::Handle;
-using common::hdf5::QuietErrors;
-using common::hdf5::readAttribute;
-using common::hdf5::writeAttribute;
+using hdf5::check;
+using hdf5::Handle;
+using hdf5::QuietErrors;
+using hdf5::readAttribute;
+using hdf5::writeAttribute;
 
 namespace {
 
-constexpr char FORMAT[] = "snapwing_wing_table_1";
+constexpr char FORMAT[] = "snapwing_wing_table_2";
 
 void writeColumn(hid_t file, const char* name, const char* unit, const std::vector<double>& values,
                  const std::string& path) {
@@ -65,7 +64,7 @@ void write(WingTable table, const std::string& part) {
 
 void saveWingTable(const WingTable& table, const std::string& path) {
   table.validate();
-  common::hdf5::replaceFile(path, [&](const std::string& part) { write(table, part); });
+  hdf5::replaceFile(path, [&](const std::string& part) { write(table, part); });
 }
 
 WingTable loadWingTable(const std::string& path) {
@@ -83,10 +82,10 @@ WingTable loadWingTable(const std::string& path) {
   for (const std::string& name : names) table.provenance[name] = readAttribute(group, name, path);
   try {
     table.validate();
-  } catch (const common::Error& e) {
+  } catch (const Error& e) {
     throw FileError(path, e.what());
   }
   return table;
 }
 
-}  // namespace snapwing::design
+}  // namespace snapwing::common

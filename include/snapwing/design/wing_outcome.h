@@ -1,0 +1,53 @@
+#pragma once
+/// A wing from its settings to files: designed, compared with elastic bars, with layout, table and parts in one folder.
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "snapwing/design/wing_clearance.h"
+#include "snapwing/design/wing_elastic_problem.h"
+#include "snapwing/design/wing_layout.h"
+#include "snapwing/design/wing_table.h"
+
+namespace snapwing::design {
+
+enum class WingRung { RIGID, BEAMS, SOLIDS };
+/// "rigid", "elastic" (beams) or "solid". @throws common::Error for any other word
+WingRung wingRungOf(const std::string& name);
+const char* nameOf(WingRung rung);
+
+struct WingJob {
+  std::string folder;  ///< of the results; made if missing
+  WingRung rung = WingRung::RIGID;
+  int points = 161;                                ///< of the table
+  std::function<bool(const WingProgress&)> go_on;  ///< between local runs; false cancels
+};
+
+struct WingOutcome {
+  std::string folder;
+  WingDesign design;  ///< what follows is filled if it is DESIGNED
+  WingLayout layout;
+  WingTable table;
+  RungComparison comparison;  ///< with the solids if they designed it, else with beams
+  double panel_angle = 0;     ///< [rad]
+  double mass = 0;            ///< of one wing [kg]
+  double friction_work = 0;   ///< of both wings on one way [J]
+  double barrier_back = std::numeric_limits<double>::quiet_NaN();  ///< of the vehicle's arms [J]; NaN without a table
+  WingClearance clearance;                                         ///< from the propellers
+  bool targets_met = false;  ///< both wing rotations within .15 rad, both tips within 10 mm
+  bool from_store = false;
+};
+
+/// Designs and writes wing.yaml, parts/ and, last, wing_table.h5. Nothing is written unless the design succeeds.
+/// @throws common::Error
+WingOutcome designWingInto(const WingSettings& settings, const WingJob& job);
+
+/// Hash of all that a design depends on.
+std::string wingHash(const WingSettings& settings, WingRung rung);
+/// The layout and table in a folder, if both are there; the design itself is assessed again on rigid bars.
+/// @throws common::FileError
+std::optional<WingOutcome> loadWingOutcome(const WingSettings& settings, const std::string& folder);
+
+}  // namespace snapwing::design

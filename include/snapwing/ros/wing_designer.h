@@ -1,0 +1,36 @@
+#pragma once
+/// Serves goals of kind WING of the action optimize_design, and publishes wings as WingGeometry, latched.
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <snapwing/WingGeometry.h>
+
+#include <string>
+
+#include "snapwing/common/vehicle.h"
+#include "snapwing/design/wing_outcome.h"
+#include "snapwing/ros/design_job.h"
+
+namespace snapwing::nodes {
+
+/// @param table_file  where the table of this layout is
+WingGeometry wingMessage(const design::WingLayout& layout, const std::string& table_file);
+
+class WingDesigner {
+ public:
+  /// Publishes the vehicle's own wing, if it names one. @param relative  where wing_geometry and designed/wing_geometry
+  /// are advertised; @param frame  of both. @throws common::Error if the vehicle's wing cannot be read
+  WingDesigner(ros::NodeHandle& relative, const common::Vehicle& vehicle, std::string frame);
+
+  /// Takes the stored design of the same inputs, or designs anew on rigid bars, checked by the elastic ones.
+  /// @throws common::Error for bad input
+  OptimizeDesignResult run(const DesignJob& job);
+
+ private:
+  void publish(const ros::Publisher& to, const design::WingLayout& layout, const std::string& table_file);
+
+  std::string frame_;
+  ros::Publisher geometry_, designed_;
+};
+
+}  // namespace snapwing::nodes
