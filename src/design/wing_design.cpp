@@ -143,6 +143,12 @@ WingDesign designWing(const WingProblem& problem, const std::function<bool(const
     std::ostringstream text;
     text << "none of " << design.runs << " starts reached a layout within the constraints; least violation "
          << progress.violation << " (scaled)";
+    if (progress.violation <= FEASIBLE) {
+      text.str("");
+      text << "of " << design.runs
+           << " starts some met the sampled constraints, but those pass a dead point or lose the "
+           << "transmission margin between the samples";
+    }
     design.status = WingStatus::INFEASIBLE;
     design.message = text.str();
     return design;
