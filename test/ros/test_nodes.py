@@ -50,7 +50,10 @@ class Nodes(unittest.TestCase):
 
     def test_picture(self):
         markers = self.wait("markers", MarkerArray).markers
-        self.assertEqual({m.ns for m in markers}, {"ring", "rotors", "thrust", "housing", "arms", "wings", "label"})
+        self.assertEqual({m.ns for m in markers},
+                         {"ring", "rotors", "thrust", "housing", "arms", "wings", "linkage", "label"})
+        for space in ("wings", "linkage"):  # two markers of the left wing, two of the right one
+            self.assertEqual([m.id for m in markers if m.ns == space], [0, 1, 2, 3])
         arms = [m for m in markers if m.ns == "arms"]
         self.assertEqual(len(arms), 4)
         for arm in arms:
