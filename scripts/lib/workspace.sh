@@ -8,16 +8,18 @@ export PATH=/usr/bin:$PATH
 say() { printf '\033[1m==> %s\033[0m\n' "$*" >&2; }
 die() { printf 'error: %s\n' "$*" >&2; exit 1; }
 
+# usage: missing_packages LIST..., names of files beside this one
 missing_packages() {
   local wanted installed
-  wanted=$(sed 's/#.*//' "$SNAPWING_ROOT/scripts/lib/packages.txt" | tr -s ' \n' '\n' | sed '/^$/d' | sort -u)
+  wanted=$(cd "$SNAPWING_ROOT/scripts/lib" && cat "$@" | sed 's/#.*//' | tr -s ' \n' '\n' | sed '/^$/d' | sort -u)
   installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' 2>/dev/null | sed -n 's/^ii  *//p' | sort -u)
   comm -23 <(printf '%s\n' "$wanted") <(printf '%s\n' "$installed")
 }
 
+# usage: install_missing [more lists than packages.txt]
 install_missing() {
   local missing as_root=()
-  missing=$(missing_packages)
+  missing=$(missing_packages packages.txt "$@")
   [ -n "$missing" ] || return 0
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || die "these Debian packages are missing, and there is neither root nor sudo: $missing"

@@ -189,7 +189,7 @@ class Attack(Lasting):
         attacker = subprocess.Popen([program, "--lcm-url", self.bench.url, "--key-file", self.bench.key, "--mode", self.mode,
                                      "--rate", str(self.rate), "--seconds", "1.0"], stdout=subprocess.PIPE, text=True)
 
-        be_firm(attacker.pid, 10)  # it stands for another machine
+        be_firm(attacker.pid, 45)  # it stands for another machine: what hears it must not hold it up
 
         def undo():
             self.reached = float(attacker.communicate(timeout=10)[0].split()[0])  # messages in a second
