@@ -10,9 +10,9 @@ namespace {
 constexpr double SILENCE_LIMIT = 0.2;  ///< [s] without any answer after which the controller counts as gone
 /// Frames that may be on their way unanswered. Not every line tells how much it still holds; a controller or adapter
 /// that stands still must not be left with a store of thrust frames. The controller takes 10.4 ms for each, and 20 ms
-/// after a gap before thrust returns: two stale frames are over by then, if nothing stands between them and safe ones.
+/// after a gap before thrust returns: one stale frame is followed by a safe one in time.
 constexpr int WINDOW = 2;
-constexpr int THRUST_WINDOW = 1;      ///< a frame with thrust waits until the one before it is answered
+constexpr int THRUST_WINDOW = 1;      ///< a frame with thrust leaves only when the one before it was answered
 constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
 
 MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? MspVersion::V1 : MspVersion::V2; }

@@ -27,7 +27,12 @@ bool configureSerial(int descriptor, const LineSettings& settings) {
   line.c_ospeed = static_cast<speed_t>(settings.baud);
   line.c_cc[VMIN] = 1;
   line.c_cc[VTIME] = 0;
-  return ioctl(descriptor, TCSETS2, &line) == 0;
+  if (ioctl(descriptor, TCSETS2, &line) != 0 || ioctl(descriptor, TCGETS2, &line) != 0) return false;
+  // A driver takes the nearest rate that it can make; a receiver bears 2.5 %.
+  const double off = static_cast<double>(line.c_ospeed) / settings.baud - 1.0;
+  if (off > -0.025 && off < 0.025) return true;
+  errno = EINVAL;
+  return false;
 }
 
 void SerialTransport::maintain(double now) {

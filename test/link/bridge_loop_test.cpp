@@ -253,6 +253,29 @@ TEST(BridgeLoop, LineThatHidesItsBacklogHoldsFewFrames) {
   EXPECT_LE(s.highest_motor, IDLE_OUTPUT) << "stale frames were thrown away";
 }
 
+/// The same without the line's help: nothing can be flushed, and all of it arrives at once. One frame with thrust is
+/// old, the safe one behind it is served before thrust would return.
+TEST(BridgeLoop, LineThatKeepsEverythingBringsNoThrustBack) {
+  std::mt19937 rng(12);
+  std::uniform_real_distribution<double> moment(0.0, 0.3), blocked(0.281, 1.4);
+  for (int trial = 0; trial < 100; ++trial) {
+    SCOPED_TRACE(trial);
+    Simulation s;
+    s.line.hides_backlog = s.line.keeps_all = true;
+    s.arm();
+    ASSERT_EQ(s.pulse(1.0, 1.5), Refusal::NONE);
+    s.run(moment(rng));
+    s.line_open = false;
+    s.run(blocked(rng));
+    ASSERT_LE(s.fc.motorMicroseconds(), 1999);
+    s.run(0.02);
+    s.highest_motor = 0;
+    s.line_open = true;
+    s.run(2.0);
+    EXPECT_LE(s.highest_motor, IDLE_OUTPUT);
+  }
+}
+
 /// A line that takes only a few bytes at a time: frames are completed or dropped, never mixed.
 TEST(BridgeLoop, HalfWrittenFramesAreCompletedBeforeOthers) {
   for (const std::size_t taken : {1, 7, 13, 24}) {

@@ -30,6 +30,7 @@ class PipeTransport : public Transport {
 
   bool plugged = true;         ///< false: cannot connect
   bool hides_backlog = false;  ///< as a pseudo-terminal does
+  bool keeps_all = false;      ///< nothing can be flushed, as by some adapters
   std::size_t takes = 0;       ///< [bytes] at most, of each write; 0 = all
 
  private:

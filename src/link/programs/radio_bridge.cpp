@@ -45,14 +45,18 @@ struct Options {
 
 void onStop(int number) { stop_signal = number; }
 
-/// A crash: the line still gets throttle low and AUX1 low for 0.2 s. Only what is safe in a signal handler.
-void onCrash(int number) {
+/// The line still gets throttle low and AUX1 low for 0.2 s. Only what is safe in a signal handler.
+void sendLastFrames() {
   for (int i = 0; i < 11; ++i) {
     const int descriptor = crash_descriptor.load();
-    if (descriptor >= 0 && write(descriptor, crash_frame.bytes.data(), crash_frame.size) < 0) break;
+    if (descriptor < 0 || write(descriptor, crash_frame.bytes.data(), crash_frame.size) < 0) break;
     const timespec pause{0, 20000000};
     nanosleep(&pause, nullptr);
   }
+}
+
+void onCrash(int number) {
+  sendLastFrames();
   signal(number, SIG_DFL);
   raise(number);
 }
@@ -61,15 +65,13 @@ void catchSignals() {
   struct sigaction action {};
   sigemptyset(&action.sa_mask);
   action.sa_handler = onStop;
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGXCPU, SIGXFSZ, SIGVTALRM}) {
+  for (int number = 1; number <= SIGRTMAX; ++number) sigaction(number, &action, nullptr);  // KILL and STOP refuse
+  action.sa_handler = onCrash;
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP}) {
     sigaction(number, &action, nullptr);
   }
-  action.sa_handler = onCrash;
-  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) sigaction(number, &action, nullptr);
-  signal(SIGPIPE, SIG_IGN);
-  signal(SIGTSTP, SIG_IGN);
-  signal(SIGTTIN, SIG_IGN);
-  signal(SIGTTOU, SIG_IGN);
+  for (const int number : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU}) signal(number, SIG_IGN);
+  for (const int number : {SIGCHLD, SIGCONT, SIGURG, SIGWINCH}) signal(number, SIG_DFL);  // mean nothing
 }
 
 void addOptions(CLI::App& app, Options& o) {
@@ -175,7 +177,12 @@ int start(const Options& o) {
   loop.core().noteGrants(realtime, locked);
   std::fprintf(stderr, "radio_bridge: real-time priority %s, memory %s\n", realtime ? "granted" : "not granted",
                locked ? "locked" : "not locked");
-  run(loop, lcm, *transport);
+  try {
+    run(loop, lcm, *transport);
+  } catch (...) {  // while the line is still open
+    sendLastFrames();
+    throw;
+  }
   std::fprintf(stderr, "radio_bridge: ended, throttle low and AUX1 low were sent for %.2f s\n", o.settings.exit_time);
   return 0;
 }

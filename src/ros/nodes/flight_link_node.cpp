@@ -196,14 +196,15 @@ class FlightLinkNode {
 
   void onPulse(const PulseCommand& command) {
     const double age = (ros::Time::now() - command.header.stamp).toSec();
-    const bool sound = std::isfinite(command.pulse.throttle) && std::isfinite(command.pulse.duration);
+    const bool sound =
+        std::isfinite(command.pulse.throttle) && std::isfinite(command.pulse.duration) && std::isfinite(command.pitch);
     if (!(std::abs(age) <= settings_.command_age) || !sound) {
       ++dropped_;
       ROS_WARN_STREAM("pulse " << command.id << " dropped: " << (sound ? "age " : "not finite, age ") << age << " s");
       return;
     }
     post([this, command] {
-      if (!link_.sendPulse(command.id, command.pulse.throttle, command.pulse.duration)) {
+      if (!link_.sendPulse(command.id, command.pulse.throttle, command.pulse.duration, command.pitch, command.mixed)) {
         ++dropped_;
         ROS_WARN_STREAM("pulse " << command.id << " dropped: no radio bridge heard");
       }

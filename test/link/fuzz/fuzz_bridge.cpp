@@ -42,7 +42,8 @@ class Source {
 
 class Driver {
  public:
-  Driver(const std::uint8_t* data, std::size_t size) : source_(data, size), core_(settings(), SESSION, 10.0) {
+  Driver(const std::uint8_t* data, std::size_t size)
+      : source_(data, size), settings_(settings(source_.byte() % 4 == 0)), core_(settings_, SESSION, 10.0) {
     controller_.connected = controller_.known = true;
   }
 
@@ -70,8 +71,9 @@ class Driver {
 
  private:
   static constexpr std::int64_t SESSION = 5;
-  static BridgeSettings settings() {
+  static BridgeSettings settings(bool pilot_override) {
     BridgeSettings settings;
+    settings.pilot_override = pilot_override;
     settings.max_throttle = 0.9;
     settings.max_pulse = 0.8;
     settings.max_pitch = 0.5;
@@ -111,6 +113,7 @@ class Driver {
     controller_.failsafe = kind % 16 == 3;
     controller_.arming_flags = kind % 16 == 4 ? source_.byte() : 0;
     follow_ = kind % 16 != 5;
+    controller_.override_active = kind % 16 != 9;
     written_ = kind % 16 != 6;
     if (kind % 16 == 7) now_ += source_.byte() / 100.0;
     if (kind == 8) core_.requestShutdown(now_);
@@ -118,9 +121,11 @@ class Driver {
 
   void frame() {
     require(std::isfinite(core_.nextFrameTime()) && core_.nextFrameTime() - now_ < 0.06);
-    now_ = std::max(now_, core_.nextFrameTime());
+    const bool hurry = core_.urgent() && source_.byte() % 2 == 0;
+    require(core_.earliestFrameTime() <= core_.nextFrameTime());
+    now_ = std::max(now_, hurry ? core_.earliestFrameTime() : core_.nextFrameTime());
     if (follow_) {
-      controller_.armed = core_.status().channels.us[AUX1] > 1700;
+      controller_.armed = settings_.pilot_override || core_.status().channels.us[AUX1] > 1700;
       controller_.status_time = now_;
     }
     core_.onController(controller_);
@@ -141,12 +146,14 @@ class Driver {
     require(!thrust || status.state == BridgeState::PULSE);
     require(!thrust || now_ < accepted_end_ + 1e-6);
     require(channels.us[THROTTLE] <= 1900);
-    require((channels.us[AUX1] > CHANNEL_LOW) == active);
+    require((channels.us[AUX1] > CHANNEL_LOW) == (active && !settings_.pilot_override));
+    require(!thrust || !settings_.pilot_override || (controller_.override_active && controller_.armed));
     require(std::abs(channels.us[PITCH] - CHANNEL_CENTRE) <= 250);
     require(status.state != BridgeState::FAULT || status.fault != Fault::NONE);
   }
 
   Source source_;
+  BridgeSettings settings_;
   BridgeCore core_;
   ControllerState controller_;
   double now_ = 10.0, accepted_end_ = 0;

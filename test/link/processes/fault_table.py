@@ -24,6 +24,14 @@ def kinds_of(with_ros):
     return link_faults.ALL + ros_faults.ALL
 
 
+def started(kind, programs, seed):
+    """A fault with its programs; what does not start has not begun."""
+    try:
+        return kind(programs, seed)
+    except (AssertionError, OSError) as error:
+        raise NotBegun(str(error)) from error
+
+
 def run_batch(name, programs, helpers, seed, trials, with_ros):
     """@return list of (moment, seconds to idle, largest output afterwards, error text), None for attempts that did not begin"""
     os.environ["SNAPWING_TEST_HELPERS"] = helpers
@@ -33,7 +41,7 @@ def run_batch(name, programs, helpers, seed, trials, with_ros):
         if len(results) - results.count(None) == trials:
             break
         try:
-            fault = fault or kind(programs, 1000 * seed + attempt)
+            fault = fault or started(kind, programs, 1000 * seed + attempt)
             results.append((*fault.trial(), ""))
         except Exception as error:  # pylint: disable=broad-except
             begun = not isinstance(error, NotBegun)

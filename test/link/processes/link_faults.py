@@ -402,6 +402,7 @@ class CpuStarved(Lasting):
 class LogReplayed(Lasting):
     name = "lcm-logplayer replays a recorded session into the live bridge"
     guard = "bridge: age, message numbers, session"
+    new_session = None  # into the session of the recording, a new one, or either
 
     def trial(self):
         bench = self.bench
@@ -414,7 +415,7 @@ class LogReplayed(Lasting):
         time.sleep(0.4)
         logger.send_signal(signal.SIGINT)
         logger.wait(5)
-        new_session = self.rng.random() < 0.5
+        new_session = self.rng.random() < 0.5 if self.new_session is None else self.new_session
         if new_session:
             bench.bridge.kill()
             bench.bridge = bench.start_bridge()

@@ -11,6 +11,7 @@ from link_bench import Bench, NotBegun, Process, free_port, wait_for
 from link_faults import Fault, Killed, Lasting, Stopped
 
 HERE = pathlib.Path(__file__).resolve().parent
+START = 60  # s, for what Python starts on a machine at work
 
 
 class RosBench(Bench):
@@ -30,7 +31,7 @@ class RosBench(Bench):
         def answers():
             with contextlib.suppress(OSError):
                 return api.getPid("/bench")[0] == 1
-        wait_for(answers, 20, "ROS master")
+        wait_for(answers, START, "ROS master")
         settings = yaml.safe_load((HERE.parents[2] / "config/nodes/flight_link_node.yaml").read_text())
         for key, value in settings.items():
             api.setParam("/bench", "/flight_link_node/" + key, value)
@@ -44,7 +45,7 @@ class RosBench(Bench):
         planner = Process(["/usr/bin/python3", HERE / "ros_console.py"], self._status, env=self.environment)
         self.processes.append(planner)
         self.statuses.clear()
-        wait_for(lambda: self.statuses, 20, "planner hears the node")
+        wait_for(lambda: self.statuses, START, "planner hears the node")
         time.sleep(0.3)  # the node's subscription to the new publisher
         return planner
 

@@ -5,6 +5,7 @@ import sys
 import time
 import unittest
 
+import link_faults
 from link_bench import IDLE, OFF, Bench, wait_for
 
 PROGRAMS = os.environ.get("SNAPWING_PROGRAMS", ".")
@@ -46,9 +47,9 @@ class Processes(unittest.TestCase):
         self.assertLessEqual(bench.motors.highest(restarted), IDLE)
 
     def test_terminated_bridge_lowers_throttle_and_disarms_at_once(self):
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGSEGV,
-                       signal.SIGABRT):
-            with self.subTest(signal=number.name), Bench(PROGRAMS) as bench:
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGPROF,
+                       signal.SIGRTMIN, signal.SIGSEGV, signal.SIGABRT, signal.SIGTRAP):
+            with self.subTest(signal=number), Bench(PROGRAMS) as bench:
                 bench.arm()
                 bench.pulse(1.0, 1.4)
                 time.sleep(0.1)
@@ -96,6 +97,20 @@ class Processes(unittest.TestCase):
         bench.bridge.signal(signal.SIGCONT)
         time.sleep(1.5)
         self.assertLessEqual(bench.motors.highest(idle), IDLE)
+
+    def test_recorded_session_is_refused_as_stale(self):
+        """lcm-logger and lcm-logplayer; into the same session and into a new one."""
+        for new_session in (False, True):
+            with self.subTest(new_session=new_session):
+                fault = link_faults.LogReplayed(PROGRAMS, 0)
+                fault.new_session = new_session
+                try:
+                    begin, _, highest = fault.trial()
+                    self.assertGreater(begin, 0)
+                    self.assertLessEqual(highest, IDLE)
+                    self.assertRegex(fault.bench.status()["refusal"], "session" if new_session else "old|used before")
+                finally:
+                    fault.close()
 
     def test_serial_line(self):
         for protocol in ("msp1", "msp2", "sbus", "crsf"):
