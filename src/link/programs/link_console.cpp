@@ -23,6 +23,12 @@ struct Operator {
   bool changed = false;  ///< the bridge hears of it at once, not with the next heartbeat
 };
 
+std::string listed(const link::Histogram& histogram) {
+  std::string text;
+  for (const std::int64_t count : histogram) text += (text.empty() ? "" : ", ") + std::to_string(count);
+  return text;
+}
+
 void printStatus(const link::OperatorLink& link, double now) {
   const link::BridgeStatus& s = link.status();
   std::printf(
@@ -32,7 +38,7 @@ void printStatus(const link::OperatorLink& link, double now) {
       "%lld, "
       "\"rejected\": %lld, \"refusal\": \"%s\", \"latency_worst\": %.6f, \"connected\": %d, \"known\": %d, \"armed\": "
       "%d, "
-      "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld, \"realtime\": %d, \"locked\": %d}\n",
+      "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld, \"realtime\": %d, \"locked\": %d, \"periods\": [%s]}\n",
       now, s.frame_time, link::stateName(s.state), link::describe(s.fault, s.fault_detail).c_str(),
       static_cast<long long>(s.pulse_id), s.commanded_throttle, s.channels.us[link::THROTTLE],
       s.channels.us[link::AUX1], static_cast<long long>(s.frames_sent), static_cast<long long>(s.frames_dropped),
@@ -40,7 +46,8 @@ void printStatus(const link::OperatorLink& link, double now) {
       static_cast<long long>(link.messagesRejectedByBridge()),
       link::describe(s.last_refusal, s.last_refusal_detail).c_str(), s.latency_worst, s.controller.connected ? 1 : 0,
       s.controller.known ? 1 : 0, s.controller.armed ? 1 : 0, s.controller.failsafe ? 1 : 0, s.controller.arming_flags,
-      static_cast<long long>(link.counters().missed), s.realtime ? 1 : 0, s.memory_locked ? 1 : 0);
+      static_cast<long long>(link.counters().missed), s.realtime ? 1 : 0, s.memory_locked ? 1 : 0,
+      listed(s.period_histogram).c_str());
 }
 
 void obey(const std::string& line, link::OperatorLink& link, Operator& o) {

@@ -85,7 +85,8 @@ class Process:
 
 
 WITNESS = """
-import os, time
+import os, sys, time
+os.sched_setaffinity(0, {int(sys.argv[1])})
 try:
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(80))
 except PermissionError:
@@ -101,16 +102,18 @@ while True:
 
 
 class Witness:
-    """A process that sleeps 1 ms over and over at the highest priority: stalls of the machine itself (a virtual one is taken off
+    """On each core a process that sleeps 1 ms over and over at the highest priority: stalls of the machine itself (a virtual one is taken off
     its cores at times) show here, and no program could have done better during them."""
 
     def __enter__(self):
-        self.process = subprocess.Popen(["/usr/bin/python3", "-c", WITNESS], stdout=subprocess.PIPE, text=True)
+        self.processes = [subprocess.Popen(["/usr/bin/python3", "-c", WITNESS, str(core)], stdout=subprocess.PIPE, text=True)
+                          for core in os.sched_getaffinity(0)]
         return self
 
     def __exit__(self, *_):
-        self.process.kill()
-        text = self.process.communicate()[0]
+        for process in self.processes:
+            process.kill()
+        text = "".join(process.communicate()[0] for process in self.processes)
         self.stalls = [tuple(map(float, line.split())) for line in text.splitlines() if line.count(" ") == 1]
 
     def saw(self, begin, end):

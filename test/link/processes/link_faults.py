@@ -54,10 +54,12 @@ class Fault:
         since, undo = self.harm()
         since = since or moment
         try:
-            idle = self.wait_for_idle(since, rise + self.pulse + 0.6)
+            idle = self.wait_for_idle(rise, rise + self.pulse + 0.6)
         finally:
             if undo:
                 undo()
+        if idle < since:
+            raise NotBegun("the pulse was over before the harm was done")
         time.sleep(self.watch)
         self.check()
         begin = since if self.breaks else rise + self.pulse
