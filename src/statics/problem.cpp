@@ -81,6 +81,13 @@ Eigen::VectorXd SolidProblem<D>::padded(const Eigen::VectorXd& forces) const {
 }
 
 template <int D>
+Eigen::VectorXd SolidProblem<D>::loadAt(const Eigen::VectorXd& p) const {
+  Eigen::VectorXd load = dead_load_.size() > 0 ? dead_load_ : Eigen::VectorXd::Zero(solid_->dofCount());
+  if (loads_.size() > 0) load += loads_ * p;
+  return load;
+}
+
+template <int D>
 void SolidProblem<D>::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const {
   out.displacements = reduction_.expand(z, p);
   out.displacements.conservativeResize(solid_->dofCount());
@@ -93,8 +100,7 @@ void SolidProblem<D>::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& 
   const bool driven = loads_.size() > 0, loaded = driven || dead_load_.size() > 0;
   Eigen::VectorXd load;
   if (loaded) {
-    load = dead_load_.size() > 0 ? dead_load_ : Eigen::VectorXd::Zero(solid_->dofCount());
-    if (driven) load += loads_ * p;
+    load = loadAt(p);
     out.energy -= load.dot(out.displacements);
   }
   if (order == Order::ENERGY || !out.finite) return;

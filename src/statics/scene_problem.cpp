@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene_constraints.h"
+#include "scene_sensitivity_of.h"
 #include "scene_vtu.h"
 #include "snapwing/common/error.h"
 #include "snapwing/statics/rigid_motion.h"
@@ -68,6 +69,27 @@ class CompiledSceneOf : public CompiledScene {
     return values;
   }
 
+  std::unique_ptr<SceneSensitivity> sensitivity(const Equilibrium& x) const override {
+    if (turning_) {
+      throw common::Error("scene '" + scene_.name +
+                          "' has rigid bodies or cylinder pins; allowed for sensitivities: scenes without");
+    }
+    SensitivityParts<D> parts{scene_, mirror_, *solid_, tied_.get(), {}};
+    const int dofs = solid_->solid().dofCount();
+    parts.monitors = Eigen::MatrixXd::Zero(dofs, static_cast<int>(scene_.monitors.size()));
+    for (int k = 0; k < parts.monitors.cols(); ++k) {
+      const SceneMonitor& m = scene_.monitors[k];
+      if (m.radius > 0) {
+        rotation(m, x.at.displacements, &parts.monitors, k);
+        continue;
+      }
+      for (const auto& [node, weight] : solid_->solid().interpolate(m.body, m.at.head<D>())) {
+        parts.monitors.col(k).template segment<D>(D * node) += weight * m.direction.head<D>();
+      }
+    }
+    return std::make_unique<SceneSensitivityOf<D>>(std::move(parts), x);
+  }
+
   std::string vtu(const Eigen::VectorXd& z, double p) const override {
     return vtuText(solid_->solid(), displacements(z, p));
   }
@@ -109,15 +131,23 @@ class CompiledSceneOf : public CompiledScene {
     return solid_->solid().displacementAt(m.body, at, u).dot(m.direction.head<D>());
   }
 
-  double rotation(const SceneMonitor& m, const Eigen::VectorXd& u) const {
+  /// @param gradient  if given, gets the derivative by u in its column k
+  double rotation(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::MatrixXd* gradient = nullptr,
+                  int k = 0) const {
     const mpm::Discretisation<D>& solid = solid_->solid();
     double sine = 0, cosine = 0;
+    Eigen::VectorXd d_sine = Eigen::VectorXd::Zero(solid.dofCount()), d_cosine = d_sine;
     for (int node = 0; node < solid.nodeCount(); ++node) {
       const Eigen::Vector2d rest = solid.position(node).template head<2>() - m.at.head<2>();
       if (solid.nodeBody(node) != m.body || rest.norm() > m.radius * (1 + 1e-9)) continue;
       const Eigen::Vector2d moved = rest + u.template segment<2>(D * node);
       sine += rest(0) * moved(1) - rest(1) * moved(0);
       cosine += rest.dot(moved);
+      d_sine.segment<2>(D * node) = Eigen::Vector2d(-rest(1), rest(0));
+      d_cosine.segment<2>(D * node) = rest;
+    }
+    if (gradient != nullptr) {
+      gradient->col(k) = (cosine * d_sine - sine * d_cosine) / (sine * sine + cosine * cosine);
     }
     return std::atan2(sine, cosine);
   }

@@ -24,8 +24,7 @@ Eigen::VectorXd Sensitivity<D>::energy() const {
 }
 
 template <int D>
-Eigen::VectorXd Sensitivity<D>::volume() const {
-  const mpm::Discretisation<D>& solid = problem_.solid();
+Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(solid.cellCount());
   for (int c = 0; c < solid.cellCount(); ++c) {
     const mpm::QuadratureRule<D>& rule = solid.rule(solid.terms(solid.cell(c).kind)[0].rule);
@@ -34,6 +33,8 @@ Eigen::VectorXd Sensitivity<D>::volume() const {
   return result;
 }
 
+template Eigen::VectorXd cellVolumes(const mpm::Discretisation<2>& solid);
+template Eigen::VectorXd cellVolumes(const mpm::Discretisation<3>& solid);
 template class Sensitivity<2>;
 template class Sensitivity<3>;
 

@@ -67,6 +67,8 @@ class SolidProblem : public Problem {
 
   /// Nodal forces that act whatever the controls are [N], (dofs of the solid x 1): Pi is less by l^T u.
   void setDeadLoad(Eigen::VectorXd load) { dead_load_ = std::move(load); }
+  /// l + L p [N], (dofs of the solid x 1).
+  Eigen::VectorXd loadAt(const Eigen::VectorXd& p) const;
 
   int freeCount() const override { return reduction_.freeCount(); }
   int controlCount() const override { return reduction_.controlCount(); }

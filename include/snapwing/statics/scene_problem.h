@@ -7,6 +7,7 @@
 
 #include "snapwing/statics/problem.h"
 #include "snapwing/statics/scene.h"
+#include "snapwing/statics/scene_sensitivity.h"
 
 namespace snapwing::statics {
 
@@ -27,6 +28,10 @@ class CompiledScene {
   virtual std::vector<double> monitors(const Eigen::VectorXd& z, double p) const = 0;
   /// Share of the material's volume in cells that were left out as slivers.
   virtual double droppedShare() const = 0;
+  /// Derivatives at an equilibrium, whose `at` and `multipliers` must be those of a converged solve; both must outlive
+  /// the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
+  /// joint at the edge of a body
+  virtual std::unique_ptr<SceneSensitivity> sensitivity(const Equilibrium& x) const = 0;
   /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).
   virtual std::string vtu(const Eigen::VectorXd& z, double p) const = 0;
 };

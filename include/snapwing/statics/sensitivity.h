@@ -9,6 +9,10 @@
 
 namespace snapwing::statics {
 
+/// Volume of the material that a cell holds at density 1, in the order of cells [m3].
+template <int D>
+Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid);
+
 /// All at one converged point; `cholesky` must hold the factor of the exact Hessian there. Per cell, in the order of
 /// cells.
 template <int D>
@@ -22,7 +26,8 @@ class Sensitivity {
   Eigen::VectorXd reaction() const;                                       ///< [N]
   Eigen::VectorXd displacement(const Eigen::VectorXd& functional) const;  ///< of functional . u, (dofs x 1)
   Eigen::VectorXd energy() const;                                         ///< [J]
-  Eigen::VectorXd volume() const;                                         ///< [m3] of sum rho_c m_c
+  /// [m3] of sum rho_c m_c
+  Eigen::VectorXd volume() const { return cellVolumes(problem_.solid()); }
 
  private:
   const SolidProblem<D>& problem_;

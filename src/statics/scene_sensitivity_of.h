@@ -1,0 +1,55 @@
+#pragma once
+/// Sensitivities of a scene in D dimensions (internal to the statics floor).
+
+#include <string>
+
+#include "scene_cells.h"
+#include "snapwing/statics/scene_sensitivity.h"
+#include "snapwing/statics/sensitivity.h"
+
+namespace snapwing::statics {
+
+/// What a compiled scene shares with its sensitivities; all must outlive them.
+template <int D>
+struct SensitivityParts {
+  const Scene& scene;
+  const Mirror& mirror;
+  const SolidProblem<D>& solid;
+  const TiedProblem* tied;  ///< null: everything is eliminated
+  /// Gradients of the monitors by the nodal displacements at the equilibrium, (dofs x monitors).
+  Eigen::MatrixXd monitors;
+};
+
+template <int D>
+class SceneSensitivityOf : public SceneSensitivity {
+ public:
+  /// @throws common::Error if the Hessian is singular there, or if a joint lies so close to the edge of a body that it
+  /// cannot be moved
+  SceneSensitivityOf(SensitivityParts<D> parts, const Equilibrium& x);
+
+  const std::vector<int>& joints() const override { return joints_; }
+  SceneSlope reaction() const override;
+  SceneSlope potential() const override;
+  SceneSlope compliance() const override;
+  SceneSlope volume() const override;
+  SceneSlope monitor(int number) const override;
+
+ private:
+  void moveJoints();
+  /// d(rows, control, constant) of the ties by a joint's coordinate.
+  Ties movedTies(int joint, int axis) const;
+  /// Total derivative of a functional of the displacements: `gradient` by the nodes, at fixed theta.
+  SceneSlope functional(const Eigen::VectorXd& gradient) const;
+  Eigen::VectorXd nodal(const Eigen::VectorXd& dz, double dp) const;
+
+  SensitivityParts<D> parts_;
+  const Equilibrium x_;
+  Cholesky cholesky_;
+  TangentSystem system_;
+  Eigen::VectorXd slope_, multiplier_slope_;  ///< dz/dp, dlambda/dp
+  Eigen::VectorXd force_;                     ///< of the ties: lambda + rho g
+  std::vector<int> joints_;
+  std::vector<Ties> rows_;  ///< two per joint
+};
+
+}  // namespace snapwing::statics
