@@ -52,6 +52,58 @@ INSTANTIATE_TEST_SUITE_P(Kernels, SnapBeam,
                                            BeamCase{SceneKernel::LINEAR_REDUCED, 4e-4, 0.02, 0.02},
                                            BeamCase{SceneKernel::LINEAR_REDUCED, 8e-4, 0.03, 0.07}));
 
+/// The beam as a solid, one cell of 1 mm through its width (held: plane strain, so its depth says nothing new):
+/// cheap cells, and their measured errors.
+TEST(Scene, SolidSnapBeamMeetsTheReference) {
+  Scene scene = loadScene(SCENES + "snap_beam_volumetric.yaml");
+  scene.steps = 28;
+  const SceneCurve curve = trace(scene);
+  ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
+  const common::CurveFeatures f = common::curveFeatures(curve.table());
+  EXPECT_NEAR(f.peak_force, 0.27685, 0.02 * 0.27685);
+  EXPECT_NEAR(f.valley_force, -0.11591, 0.02 * 0.11591);
+  EXPECT_NEAR(f.peak_travel, 2.047e-3, 4e-5);
+  EXPECT_NEAR(f.valley_travel, 17.554e-3, 1e-4);
+  EXPECT_NEAR(f.barrier_travel, 12.756e-3, 1e-4);
+  EXPECT_NEAR(f.second_travel, 18.719e-3, 1e-4);
+}
+
+/// Reference: 7.126 m. Half of a cell of 1 m through the thickness is as good as all of it.
+TEST(Scene, SolidCookMembraneMeetsTheReference) {
+  Scene scene = loadScene(SCENES + "cook_membrane_volumetric.yaml");
+  const SceneCurve curve = trace(scene);
+  ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
+  EXPECT_NEAR(curve.monitors.back()[0], 7.126, 0.02 * 7.126);
+}
+
+/// The Hessian may be projected in three ways: what is found is the same, what it takes is not.
+TEST(Scene, ProjectionChangesTheWorkOnly) {
+  Scene scene = loadScene(SCENES + "snap_beam.yaml");
+  scene.kernel = SceneKernel::LINEAR_REDUCED;
+  scene.cell_size = 8e-4;
+  scene.to = 1e-3;  // towards the peak all but on_demand take hundreds of iterations a step
+  scene.steps = 2;
+  const auto compiled = compileScene(scene, 1);
+  std::vector<SceneCurve> curves;
+  for (const Projection projection : {Projection::ON_DEMAND, Projection::ALWAYS, Projection::ABSOLUTE}) {
+    TraceSettings settings;
+    settings.newton.projection = projection;
+    settings.newton.max_iterations = 400;
+    settings.method = TraceMethod::AUTOMATIC;  // no jumps
+    curves.push_back(traceScene(scene, *compiled, settings, {}));
+    ASSERT_EQ(curves.back().path.status, SolveStatus::CONVERGED) << curves.back().path.message;
+    ASSERT_EQ(curves.back().path.points.size(), curves[0].path.points.size());
+    for (std::size_t k = 0; k < curves[0].path.points.size(); ++k) {
+      EXPECT_NEAR(curves.back().path.points[k].force, curves[0].path.points[k].force, 1e-6 * 0.14);
+    }
+  }
+  RecordProperty("on_demand", curves[0].path.iterations);
+  RecordProperty("clamp", curves[1].path.iterations);
+  RecordProperty("absolute", curves[2].path.iterations);
+  EXPECT_LT(2 * curves[0].path.iterations, curves[1].path.iterations);
+  EXPECT_LT(curves[1].path.iterations, curves[2].path.iterations);
+}
+
 /// Full integration with linear cells locks: the interface must show that, not hide it.
 TEST(Scene, LinearCellsLock) {
   Scene scene = loadScene(SCENES + "snap_beam.yaml");
