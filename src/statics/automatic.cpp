@@ -123,8 +123,8 @@ class AutomaticFollower {
     }
     result.path.account.push_back(text.str());
     if (!there) {
-      // Two failures are one outcome; a branch that turned back for good is one too.
-      if (result.path.status == SolveStatus::CONVERGED) result.path.status = SolveStatus::NOT_SOLVED;
+      // A branch that turned back for good is no way on: what stopped displacement control is then the reason.
+      if (result.path.status == SolveStatus::CONVERGED) result.path.status = whole_.status;
       result.path.message = whole_.message + "; " + text.str();
     }
     last_ = result.last;
