@@ -32,6 +32,7 @@ statics::Scene sourceScene(const CurveOptions& options) {
   settings.step = options.step;
   settings.back = !options.no_back;
   statics::Scene scene = design::armScene(vehicle, field, settings);
+  scene.copies = vehicle.arm.count;  // totals of all arms, as on the other rungs of a vehicle
   scene.sha256 = common::sha256(vehicle.sha256 + common::readFile(vehicle.arm.density_file));
   return scene;
 }
