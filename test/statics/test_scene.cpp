@@ -52,8 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Kernels, SnapBeam,
                                            BeamCase{SceneKernel::LINEAR_REDUCED, 4e-4, 0.02, 0.02},
                                            BeamCase{SceneKernel::LINEAR_REDUCED, 8e-4, 0.03, 0.07}));
 
-/// The beam as a solid, one cell of 1 mm through its width (held: plane strain, so its depth says nothing new):
-/// cheap cells, and their measured errors.
+/// The beam as a solid slice whose faces are held, which is plane strain. Measured: peak -.2 %, valley +.9 %.
 TEST(Scene, SolidSnapBeamMeetsTheReference) {
   Scene scene = loadScene(SCENES + "snap_beam_volumetric.yaml");
   scene.steps = 28;
@@ -68,7 +67,7 @@ TEST(Scene, SolidSnapBeamMeetsTheReference) {
   EXPECT_NEAR(f.second_travel, 18.719e-3, 1e-4);
 }
 
-/// Reference: 7.126 m. Half of a cell of 1 m through the thickness is as good as all of it.
+/// Reference: 7.126 m; measured 7.033 m with linear_reduced cells of 2 m.
 TEST(Scene, SolidCookMembraneMeetsTheReference) {
   Scene scene = loadScene(SCENES + "cook_membrane_volumetric.yaml");
   const SceneCurve curve = trace(scene);
