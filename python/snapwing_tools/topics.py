@@ -74,6 +74,8 @@ SERIES = [
         _column("id", "", "int"),
         _column("throttle", "1", path="pulse.throttle"),
         _column("duration", "s", path="pulse.duration"),
+        _column("mixed", "", "bool"),
+        _column("pitch", "1"),
     ], "when which pulse was commanded"),
     Topic("transition_plan", "snapwing/TransitionPlan", [
         _column("start_mode", "", "int"),

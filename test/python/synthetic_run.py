@@ -132,7 +132,7 @@ def make_buffer(pulses=None, leave_out=(), seconds=10.0, provenance=None):
     for number, (name, (start, throttle, duration)) in enumerate(pulses.items(), 1):
         send("transition_plan", plan_message(name, motion, pulses))
         send("command/pulse", Message(header=header(start), id=number,
-                                      pulse=Message(throttle=throttle, duration=duration)))
+                                      pulse=Message(throttle=throttle, duration=duration), mixed=False, pitch=0.0))
     _send_motion(send, motion)
     _send_frames(send, pulses, seconds)
     return buffer
