@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 
 #include "snapwing/common/error.h"
 
@@ -133,7 +134,13 @@ Cholesky::Cholesky(const SparsePattern& pattern) : impl_(std::make_unique<Impl>(
   s.place.resize(pattern.row.size());
   s.setPattern();
   if (pattern.size > 0) {
-    s.factor = s.analyse(CHOLMOD_SIMPLICIAL);
+    {
+      // METIS draws from the C library's one random sequence, seeded at each start: two orderings at once would share
+      // it, and the order of elimination, so the last digits, would hang on the threads' timing.
+      static std::mutex ordering;
+      const std::lock_guard<std::mutex> alone(ordering);
+      s.factor = s.analyse(CHOLMOD_SIMPLICIAL);
+    }
     s.permute();
     cholmod_free_factor(&s.factor, &s.common);
     s.common.method[0].ordering = CHOLMOD_NATURAL;
