@@ -118,20 +118,6 @@ ArmShapes readShapes(hid_t file, std::size_t points, const std::string& path) {
   return shapes;
 }
 
-herr_t addName(hid_t, const char* name, const H5A_info_t*, void* names) {
-  static_cast<std::vector<std::string>*>(names)->push_back(name);
-  return 0;
-}
-
-std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path) {
-  Handle group(H5Gopen2(file, "provenance", H5P_DEFAULT), H5Gclose, path, "find the group provenance");
-  std::vector<std::string> names;
-  check(H5Aiterate2(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, addName, &names), path, "list the provenance");
-  std::map<std::string, std::string> entries;
-  for (const std::string& name : names) entries[name] = readAttribute(group, name, path);
-  return entries;
-}
-
 void writeTable(const ForceTable& t, const std::string& part) {
   Handle file(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, part, "create the file");
   writeArray<int>(file, "format_version", {FORMAT_VERSION}, "1", part);
@@ -146,8 +132,7 @@ void writeTable(const ForceTable& t, const std::string& part) {
   writeArray(file, "iterations", t.iterations, "1", part);
   writeArray(file, "force_back", t.force_back, "N", part);
   writeShapes(file, t.shapes, part);
-  Handle group(H5Gcreate2(file, "provenance", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, part, "make a group");
-  for (const auto& [name, text] : t.provenance) writeAttribute(group, name, text, part);
+  hdf5::writeProvenance(file, t.provenance, part);
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), part, "flush the file");
 }
 
@@ -178,7 +163,7 @@ ForceTable loadForceTable(const std::string& path) {
   t.iterations = readArray<int>(file, "iterations", "1", path);
   t.force_back = readArray<double>(file, "force_back", "N", path);
   t.shapes = readShapes(file, t.travel.size(), path);
-  t.provenance = readProvenance(file, path);
+  t.provenance = hdf5::readProvenance(file, path);
   try {
     t.validate();
   } catch (const Error& e) {

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <vector>
 
 #include "snapwing/common/error.h"
 
@@ -42,6 +43,24 @@ std::string readAttribute(hid_t object, const std::string& name, const std::stri
   std::string text(H5Tget_size(type), '\0');
   check(H5Aread(attribute, type, text.data()), path, "read the attribute " + name);
   return text.substr(0, text.find('\0'));
+}
+
+void writeProvenance(hid_t file, const std::map<std::string, std::string>& entries, const std::string& path) {
+  Handle group(H5Gcreate2(file, "provenance", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, path, "make a group");
+  for (const auto& [name, text] : entries) writeAttribute(group, name, text, path);
+}
+
+std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path) {
+  Handle group(H5Gopen2(file, "provenance", H5P_DEFAULT), H5Gclose, path, "find the group provenance");
+  std::vector<std::string> names;
+  const auto add_name = [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
+    static_cast<std::vector<std::string>*>(list)->push_back(name);
+    return 0;
+  };
+  check(H5Aiterate2(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add_name, &names), path, "list the provenance");
+  std::map<std::string, std::string> entries;
+  for (const std::string& name : names) entries[name] = readAttribute(group, name, path);
+  return entries;
 }
 
 void replaceFile(const std::string& path, const std::function<void(const std::string& part)>& write) {

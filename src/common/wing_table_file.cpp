@@ -44,19 +44,13 @@ void readColumn(hid_t file, const char* name, const char* unit, std::vector<doub
   }
 }
 
-herr_t addName(hid_t, const char* name, const H5A_info_t*, void* names) {
-  static_cast<std::vector<std::string>*>(names)->push_back(name);
-  return 0;
-}
-
 void write(WingTable table, const std::string& part) {
   Handle file(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, part, "create the file");
   writeAttribute(file, "format", FORMAT, part);
   forEachColumn(&table, [&](const char* name, const char* unit, std::vector<double>* values) {
     writeColumn(file, name, unit, *values, part);
   });
-  Handle group(H5Gcreate2(file, "provenance", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, part, "make a group");
-  for (const auto& [name, text] : table.provenance) writeAttribute(group, name, text, part);
+  hdf5::writeProvenance(file, table.provenance, part);
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), part, "flush the file");
 }
 
@@ -76,10 +70,7 @@ WingTable loadWingTable(const std::string& path) {
   forEachColumn(&table, [&](const char* name, const char* unit, std::vector<double>* values) {
     readColumn(file, name, unit, values, path);
   });
-  Handle group(H5Gopen2(file, "provenance", H5P_DEFAULT), H5Gclose, path, "find the group provenance");
-  std::vector<std::string> names;
-  check(H5Aiterate2(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, addName, &names), path, "list the provenance");
-  for (const std::string& name : names) table.provenance[name] = readAttribute(group, name, path);
+  table.provenance = hdf5::readProvenance(file, path);
   try {
     table.validate();
   } catch (const Error& e) {

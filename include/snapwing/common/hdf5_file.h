@@ -5,6 +5,7 @@
 #include <hdf5.h>
 
 #include <functional>
+#include <map>
 #include <string>
 
 namespace snapwing::common::hdf5 {
@@ -44,6 +45,11 @@ void check(herr_t status, const std::string& path, const std::string& what);
 void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
 /// @throws FileError if it is missing or no text of fixed length
 std::string readAttribute(hid_t object, const std::string& name, const std::string& path);
+
+/// Group `provenance` of a file, one text attribute per entry. @throws FileError
+void writeProvenance(hid_t file, const std::map<std::string, std::string>& entries, const std::string& path);
+/// @throws FileError if the group is missing or an entry is no text
+std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path);
 
 /// Has `write` make a file of another name beside `path`, then renames it: a killed or failed run leaves the previous
 /// file as it was. HDF5 prints nothing meanwhile. @throws FileError, also what `write` throws
