@@ -11,7 +11,8 @@ using namespace snapwing;
 struct Setup {
   common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
   common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
-  rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table));
+  rom::LumpedModel model =
+      rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), {}, common::wingTableOf(vehicle));
 };
 
 const Setup& setup() {
@@ -29,10 +30,15 @@ void energyAndForce(benchmark::State& state) {
 }
 BENCHMARK(energyAndForce);
 
-void oneStep(benchmark::State& state) {
-  const rom::LumpedModel& model = setup().model;
+rom::Trial trialOn(rom::Mount mount) {  // wings act in flight, not on the boom
   rom::Trial trial;
-  trial.mount = rom::Mount::BOOM;
+  trial.mount = mount;
+  return trial;
+}
+
+void oneStep(benchmark::State& state, rom::Mount mount) {
+  const rom::LumpedModel& model = setup().model;
+  const rom::Trial trial = trialOn(mount);
   const rom::LumpedState start = model.startState(common::Mode::FIXED_WING, trial);
   rom::LumpedState now = start;
   for (auto _ : state) {
@@ -41,11 +47,11 @@ void oneStep(benchmark::State& state) {
     benchmark::DoNotOptimize(now);
   }
 }
-BENCHMARK(oneStep);
+BENCHMARK_CAPTURE(oneStep, boom, rom::Mount::BOOM);
+BENCHMARK_CAPTURE(oneStep, free_with_wings, rom::Mount::FREE);
 
-void wholePulse(benchmark::State& state, common::Mode start, common::Pulse pulse) {
-  rom::Trial trial;
-  trial.mount = rom::Mount::BOOM;
+void wholePulse(benchmark::State& state, rom::Mount mount, common::Mode start, common::Pulse pulse) {
+  const rom::Trial trial = trialOn(mount);
   long steps = 0;
   for (auto _ : state) {
     const rom::SnapPrediction p = setup().model.predict(start, pulse, setup().vehicle.radio, trial);
@@ -55,8 +61,10 @@ void wholePulse(benchmark::State& state, common::Mode start, common::Pulse pulse
   state.counters["step_s"] =
       benchmark::Counter(static_cast<double>(steps), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
-BENCHMARK_CAPTURE(wholePulse, F_to_Q, common::Mode::FIXED_WING, common::Pulse{0.685, 0.163});
-BENCHMARK_CAPTURE(wholePulse, Q_to_F, common::Mode::QUADROTOR, common::Pulse{1.0, 0.921});
+BENCHMARK_CAPTURE(wholePulse, boom_F_to_Q, rom::Mount::BOOM, common::Mode::FIXED_WING, common::Pulse{0.685, 0.163});
+BENCHMARK_CAPTURE(wholePulse, boom_Q_to_F, rom::Mount::BOOM, common::Mode::QUADROTOR, common::Pulse{1.0, 0.921});
+BENCHMARK_CAPTURE(wholePulse, winged_F_to_Q, rom::Mount::FREE, common::Mode::FIXED_WING, common::Pulse{0.677, 0.211});
+BENCHMARK_CAPTURE(wholePulse, winged_Q_to_F, rom::Mount::FREE, common::Mode::QUADROTOR, common::Pulse{1.0, 0.951});
 
 }  // namespace
 

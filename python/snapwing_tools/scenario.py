@@ -308,6 +308,8 @@ def parse_options(arguments):
                         help="write run_summary.json and summary.txt there")
     parser.add_argument("--report", default="", metavar="VEHICLE.yaml",
                         help="at the end have the recorder save FOLDER/run.h5 and make FOLDER/report.html of it")
+    parser.add_argument("--mount", default="boom", choices=("free", "boom", "held"),
+                        help="what the vehicle hangs on, for the report's predictions (%(default)s)")
     parser.add_argument("--kill-bridge", default="none", choices=("none", "F", "Q"),
                         help="kill radio_bridge in the middle of the pulse that starts in this mode (a test of the "
                              "failsafe; needs its process id in FOLDER/radio_bridge.pid)")
@@ -341,7 +343,7 @@ def main():
         write_outcome(outcome, options.output_dir)
     if options.report:
         say("making the report")
-        problem = make_report(options.output_dir, options.report)
+        problem = make_report(options.output_dir, options.report, options.mount)
         if problem:
             say(f"no report: {problem}")
     return 1 if outcome.trouble() else 0

@@ -50,6 +50,7 @@ def launch_command(options, master_port):
     arguments = {
         "output_dir": options.output,
         "seed": options.seed,
+        "mount": options.mount,
         "kill_bridge": options.kill_bridge,
         "rviz": "true" if options.rviz == "true" or options.picture else "false",
         "controller_port": free_port(socket.SOCK_STREAM),
@@ -106,7 +107,7 @@ def clear(output):
 
 def main():
     parser = argparse.ArgumentParser()
-    for name in ("--output", "--seed", "--kill-bridge", "--rviz", "--picture"):
+    for name in ("--output", "--seed", "--mount", "--kill-bridge", "--rviz", "--picture"):
         parser.add_argument(name, required=True)
     options = parser.parse_args()
     output = pathlib.Path(options.output)

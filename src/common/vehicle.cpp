@@ -130,10 +130,12 @@ Limits readLimits(SettingsReader reader) {
   return l;
 }
 
-WingFiles readWing(SettingsReader reader) {
-  WingFiles w;
+VehicleWing readWing(SettingsReader reader) {
+  VehicleWing w;
   w.layout_file = reader.resolvePath(reader.text("layout_file"));
   w.table_file = reader.resolvePath(reader.text("table_file"));
+  w.inertia_scale = reader.quantity("inertia_scale", "1", {0.01, 100.0});
+  w.friction_scale = reader.quantity("friction_scale", "1", {0.0, 100.0});
   reader.finish();
   return w;
 }

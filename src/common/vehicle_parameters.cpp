@@ -33,6 +33,8 @@ const std::vector<Uncertain>& uncertain() {
       {"boom.inertia", [](const Vehicle& v) { return v.boom.inertia; }},
       {"boom.cda", [](const Vehicle& v) { return v.boom.cda; }},
       {"boom.friction", [](const Vehicle& v) { return v.boom.friction; }},
+      {"wing.inertia_scale", [](const Vehicle& v) { return v.wing.inertia_scale; }},
+      {"wing.friction_scale", [](const Vehicle& v) { return v.wing.friction_scale; }},
   };
   return list;
 }
@@ -80,7 +82,26 @@ VehicleParameters realise(const Vehicle& vehicle, const ForceTable& table, const
     const Quantity quantity = list[i].of(vehicle);
     x[i] = quantity.value + coordinate * quantity.plus_minus;
   }
-  enum { TOTAL, CENTRE, SCALE, RATIO, THRUST, UP, DOWN, SHARE, LATENCY, AIR, RING, MIDDLE, LENGTH, INERTIA, BOOM, RUB };
+  enum {
+    TOTAL,
+    CENTRE,
+    SCALE,
+    RATIO,
+    THRUST,
+    UP,
+    DOWN,
+    SHARE,
+    LATENCY,
+    AIR,
+    RING,
+    MIDDLE,
+    LENGTH,
+    INERTIA,
+    BOOM,
+    RUB,
+    WING_INERTIA,
+    WING_FRICTION
+  };
   VehicleParameters p;
   p.centre_mass = x[CENTRE];
   p.ring_mass = x[TOTAL] - x[CENTRE];
@@ -99,6 +120,8 @@ VehicleParameters realise(const Vehicle& vehicle, const ForceTable& table, const
   p.boom_mass = x[INERTIA] / (x[LENGTH] * x[LENGTH]);
   p.boom_drag = 0.5 * x[AIR] * x[BOOM];
   p.boom_friction = x[RUB];
+  p.wing_inertia = x[WING_INERTIA];
+  p.wing_friction = x[WING_FRICTION];
   return p;
 }
 

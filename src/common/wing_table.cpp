@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "snapwing/common/error.h"
 
@@ -23,6 +24,7 @@ void forEachColumn(WingTable* t, const std::function<void(const char*, const cha
   visit("transmission_angle", "rad", &t->transmission_angle);
   visit("stored_energy", "J", &t->stored_energy);
   visit("kinetic_mass", "kg", &t->kinetic_mass);
+  visit("coupled_mass", "kg", &t->coupled_mass);
   visit("friction_force", "N", &t->friction_force);
   for (std::size_t i = 0; i < t->folds.size(); ++i) {
     const std::string name = "fold" + std::to_string(i + 1);
@@ -38,8 +40,9 @@ namespace {
 
 /// What only an elastic rung or a blade can give.
 bool columnIsOptional(const std::string& name) {
-  return name == "stored_energy" || name == "kinetic_mass" || name == "friction_force" || name == "axle" ||
-         name == "auxiliary" || name.rfind("fold", 0) == 0;
+  static const std::set<std::string> optional = {"stored_energy",  "kinetic_mass", "coupled_mass",
+                                                 "friction_force", "axle",         "auxiliary"};
+  return optional.count(name) > 0 || name.rfind("fold", 0) == 0;
 }
 
 }  // namespace

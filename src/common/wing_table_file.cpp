@@ -17,7 +17,7 @@ using hdf5::writeAttribute;
 
 namespace {
 
-constexpr char FORMAT[] = "snapwing_wing_table_2";
+constexpr char FORMAT[] = "snapwing_wing_table_3";
 
 void writeColumn(hid_t file, const char* name, const char* unit, const std::vector<double>& values,
                  const std::string& path) {
@@ -77,6 +77,11 @@ WingTable loadWingTable(const std::string& path) {
     throw FileError(path, e.what());
   }
   return table;
+}
+
+std::optional<WingTable> wingTableOf(const Vehicle& vehicle) {
+  if (vehicle.wing.table_file.empty()) return std::nullopt;
+  return loadWingTable(vehicle.wing.table_file);
 }
 
 }  // namespace snapwing::common

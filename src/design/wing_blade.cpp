@@ -158,6 +158,12 @@ double WingBlade::kineticMass(const WingBladePose& at, const WingBladePose& befo
   return all.second.trace();
 }
 
+double WingBlade::massMoment(const WingBladePose& pose) const {
+  Moments all;
+  for (const Body& body : bodiesOf(pose)) all.add(body.mass, body.points);
+  return all.first.z();
+}
+
 std::optional<double> WingBlade::frictionForce(double theta, double slope, WingSide side) const {
   const auto pose = design::poseAt(layout_.linkage, theta);
   if (!pose || pose->transmission_sine == 0) return std::nullopt;

@@ -51,6 +51,7 @@ void addBlade(const WingBlade& blade, const ArmMotion& motion, WingTable* table)
       table->folds[i].z.push_back(end.x());
     }
     table->kinetic_mass.push_back(2 * blade.kineticMass(*pose, *before, *after, high - low));
+    table->coupled_mass.push_back(2 * (blade.massMoment(*after) - blade.massMoment(*before)) / (high - low));
     double friction = 0;
     for (const WingSide side : {WingSide::LEFT, WingSide::RIGHT}) {
       friction += blade.frictionForce(motion.rotation(u), motion.slope(u), side).value_or(0);

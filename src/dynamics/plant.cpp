@@ -27,12 +27,18 @@ void PlantSettings::validate() const {
           "above 0 m/s2");
   require(hand_deceleration_f > 0 && std::isfinite(hand_deceleration_f), "hand_deceleration_f", hand_deceleration_f,
           "above 0 m/s2");
+  if (wings.value_or(false) && mount == PlantMount::BOOM) {
+    throw common::Error(
+        "plant: wings are on and the mount is boom, where the centripetal force turns them, which is "
+        "not modelled; allowed: free, held, or wings off");
+  }
 }
 
 double PlantState::thrust() const { return std::accumulate(rotor_thrust.begin(), rotor_thrust.end(), 0.0); }
 
 Plant::Plant(const common::Vehicle& vehicle, const common::ForceTable& table,
-             const common::VehicleParameters& parameters, const PlantSettings& settings)
+             const common::VehicleParameters& parameters, const PlantSettings& settings,
+             const std::optional<common::WingTable>& wing)
     : parameters_(parameters), settings_(settings), table_(table) {
   settings_.validate();
   table_.validate();
@@ -42,6 +48,16 @@ Plant::Plant(const common::Vehicle& vehicle, const common::ForceTable& table,
   require(p.time_constant_up > 0 && p.time_constant_down > 0, "time constant",
           std::min(p.time_constant_up, p.time_constant_down), "above 0 s");
   require(vehicle.rotors.count >= 1, "rotors", vehicle.rotors.count, "1 or more");
+  require(p.wing_inertia > 0 && std::isfinite(p.wing_inertia), "wing_inertia", p.wing_inertia, "above 0");
+  require(p.wing_friction >= 0 && std::isfinite(p.wing_friction), "wing_friction", p.wing_friction, "0 or more");
+  if (settings_.wings.value_or(wing && settings_.mount != PlantMount::BOOM)) {
+    if (!wing) throw common::Error("plant: wings are on, but there is no table of them");
+    wing->validate();
+    if (wing->kinetic_mass.empty() || wing->coupled_mass.empty() || wing->friction_force.empty()) {
+      throw common::Error("plant: the wing's table has no inertia; allowed: a table made with a blade");
+    }
+    wing_ = *wing;
+  }
   travel_min_ = vehicle.limits.travel_min;
   travel_max_ = vehicle.limits.travel_max;
   const bool boom = settings_.mount == PlantMount::BOOM;
@@ -116,8 +132,9 @@ void Plant::stepOnce(double dt) {
 void Plant::hitStop(double limit) {
   const bool outward = (limit == travel_max_) == (state_.travelRate() > 0);
   const double kept = outward ? -settings_.stop_restitution : 1.0;
-  // The blow keeps the common momentum; a fixed ring takes it all.
-  const double share_ring = ringFixed() ? 0.0 : parameters_.centre_mass / (ring_mass_ + parameters_.centre_mass);
+  // The blow keeps the common momentum, m_r z_r' + m_c z_c' + S u'; a fixed ring takes it all.
+  const double lag = parameters_.centre_mass - wingsAt(limit).coupled;
+  const double share_ring = ringFixed() ? 0.0 : lag / (ring_mass_ + parameters_.centre_mass);
   const double rate_change = (kept - 1.0) * state_.travelRate();
   const double travel_change = limit - state_.travel();
   state_.ring_speed += share_ring * rate_change;
@@ -145,10 +162,8 @@ double Plant::centreSpecificForce() const { return centreAcceleration() + settin
 
 common::Mode Plant::mode() const {
   if (!features_.bistable) return common::Mode::UNKNOWN;
-  const double mass = ringFixed() ? parameters_.centre_mass
-                                  : ring_mass_ * parameters_.centre_mass / (ring_mass_ + parameters_.centre_mass);
   const double rate = state_.travelRate();
-  const double energy = 0.5 * mass * rate * rate + armEnergy(state_.travel());
+  const double energy = 0.5 * travelMass(state_.travel()) * rate * rate + armEnergy(state_.travel());
   if (energy >= armEnergy(features_.barrier_travel)) return common::Mode::UNKNOWN;
   return state_.travel() < features_.barrier_travel ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
 }

@@ -1,6 +1,8 @@
-// What acts on the plant's two bodies: arms, rotors, drag, hand.
+// What acts on the plant's two bodies: arms, rotors, drag, hand, wings.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "snapwing/common/pulse.h"
 #include "snapwing/dynamics/plant.h"
@@ -10,6 +12,7 @@ namespace snapwing::dynamics {
 namespace {
 
 constexpr double FRICTION_SPEED = 0.01;  // [m/s] width of the Coulomb friction's step
+constexpr double PIN_SPEED = 0.01;       // [m/s] likewise of the wings' pins
 constexpr double HAND_TIME = 0.05;       // [s] the hand brakes in proportion to the speed below its bound
 
 /// Interval of the table and place in it.
@@ -33,7 +36,38 @@ double cubic(const std::vector<double>& value, const std::vector<double>& slope,
          p.t * p.t * ((1.0 + 2.0 * r) * value[p.k + 1] - r * p.h * slope[p.k + 1]);
 }
 
+/// Value and slope of the cubic through the values around an interval, with slopes from the neighbours (Catmull-Rom)
+/// and none at the ends, where the constant goes on: a kink would cost the integrator its order.
+std::pair<double, double> smooth(const std::vector<double>& x, const std::vector<double>& y, const Place& p) {
+  const auto across = [&](std::size_t i) {
+    return i == 0 || i + 1 == x.size() ? 0.0 : (y[i + 1] - y[i - 1]) / (x[i + 1] - x[i - 1]) * p.h;
+  };
+  const double m0 = across(p.k), m1 = across(p.k + 1);
+  const double rise = y[p.k + 1] - y[p.k], c2 = 3 * rise - 2 * m0 - m1, c3 = m0 + m1 - 2 * rise;
+  return {y[p.k] + p.t * (m0 + p.t * (c2 + p.t * c3)), (m0 + p.t * (2 * c2 + p.t * 3 * c3)) / p.h};
+}
+
 }  // namespace
+
+Plant::Wings Plant::wingsAt(double travel) const {
+  Wings w;
+  if (!wing_) return w;
+  const std::vector<double>& knots = wing_->travel;
+  const double inside = std::clamp(travel, knots.front(), knots.back());
+  const Place p = findPlace(knots, inside);
+  std::tie(w.kinetic, w.kinetic_slope) = smooth(knots, wing_->kinetic_mass, p);
+  std::tie(w.coupled, w.coupled_slope) = smooth(knots, wing_->coupled_mass, p);
+  if (inside != travel) w.kinetic_slope = w.coupled_slope = 0.0;  // constant beyond the table
+  for (double* value : {&w.kinetic, &w.kinetic_slope, &w.coupled, &w.coupled_slope}) *value *= parameters_.wing_inertia;
+  w.friction = parameters_.wing_friction * wing_->at(wing_->friction_force, travel);
+  return w;
+}
+
+double Plant::travelMass(double travel) const {
+  const Wings w = wingsAt(travel);
+  const double centre = parameters_.centre_mass, lag = centre - w.coupled;
+  return centre + w.kinetic - (ringFixed() ? 0.0 : lag * lag / (ring_mass_ + centre));
+}
 
 double Plant::armForce(double travel) const {
   const double scale = table_.arm_count * parameters_.force_scale;
@@ -73,16 +107,28 @@ double Plant::handForce(double ring_speed, double travel, double thrust) const {
 
 Plant::Rates Plant::accelerations(double ring_position, double ring_speed, double centre_position, double centre_speed,
                                   double thrust) const {
-  const double travel = ring_position - centre_position;
-  const double arms = armForce(travel) + parameters_.damping * (ring_speed - centre_speed);
-  Rates rates;
+  const double travel = ring_position - centre_position, rate = ring_speed - centre_speed;
+  const Wings w = wingsAt(travel);
+  const double pins = wing_ ? w.friction * std::tanh(rate / PIN_SPEED) : 0.0;
+  const double arms = armForce(travel) + parameters_.damping * rate + pins;
+  const double turn = 0.5 * w.kinetic_slope * rate * rate, lift = w.coupled * settings_.gravity;
   const double centre_drag = parameters_.centre_drag * std::abs(centre_speed) * centre_speed;
-  rates.centre = (arms - centre_drag) / parameters_.centre_mass - settings_.gravity;
-  if (ringFixed()) return rates;
+  // Lagrange's equations in z_r and z_c for T = m_r z_r'^2 / 2 + m_c z_c'^2 / 2 + S z_r' u' + K u'^2 / 2.
+  const double mass_c = parameters_.centre_mass;
+  const double on_centre = arms - centre_drag - mass_c * settings_.gravity + lift + turn;
+  Rates rates;
+  if (ringFixed()) {
+    rates.centre = on_centre / (mass_c + w.kinetic);
+    return rates;
+  }
   const double ring_drag = ring_drag_ * std::abs(ring_speed) * ring_speed;
   const double rub = friction_ * std::tanh(ring_speed / FRICTION_SPEED);
-  rates.ring =
-      (thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) - arms) / ring_mass_ - settings_.gravity;
+  const double on_ring = thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) - arms -
+                         ring_mass_ * settings_.gravity - lift - turn - w.coupled_slope * rate * rate;
+  const double m11 = ring_mass_ + 2 * w.coupled + w.kinetic, m12 = -w.coupled - w.kinetic, m22 = mass_c + w.kinetic;
+  const double det = m11 * m22 - m12 * m12;
+  rates.ring = (m22 * on_ring - m12 * on_centre) / det;
+  rates.centre = (m11 * on_centre - m12 * on_ring) / det;
   return rates;
 }
 

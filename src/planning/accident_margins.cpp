@@ -31,8 +31,10 @@ bool stays(const rom::LumpedModel& model, common::Mode mode, double fraction, do
 
 }  // namespace
 
-std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table) {
-  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table));
+std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table,
+                                            const std::optional<common::WingTable>& wing) {
+  const rom::LumpedModel model =
+      rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), {}, wing);
   const common::VehicleParameters& p = model.parameters();
   const double full = p.max_thrust;
   const double weight = (p.ring_mass + p.centre_mass) * GRAVITY;
@@ -72,14 +74,16 @@ std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, cons
   climb.occurs = std::numeric_limits<double>::quiet_NaN();
   list.push_back(climb);
 
-  const rom::Equilibria& e = model.potential().equilibria();
+  rom::Trial grasped;
+  grasped.mount = rom::Mount::HELD;
+  const rom::LoadedBasins basins(model.potential(), model.wingsOf(grasped));
   AccidentMargin held{"ring held upright in F", "the centre hangs in the arms with its weight", F, "N"};
-  held.limit = e.peak_force;
+  held.limit = basins.limit(F, GRAVITY);
   held.occurs = p.centre_mass * GRAVITY;
   list.push_back(held);
 
   AccidentMargin inverted{"ring held inverted in Q", "the centre's weight pulls it back to F", Q, "N"};
-  inverted.limit = -e.valley_force;
+  inverted.limit = -basins.limit(Q, -GRAVITY);
   inverted.occurs = p.centre_mass * GRAVITY;
   list.push_back(inverted);
 

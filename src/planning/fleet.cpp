@@ -33,18 +33,16 @@ void parallelFor(int count, int threads, const std::function<void(int)>& body) {
   if (failure) std::rethrow_exception(failure);
 }
 
-Fleet::Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings,
-             double step)
-    : vehicle_(vehicle), table_(table), settings_(settings), model_settings_(settings.model), spline_(table) {
+Fleet::Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
+             const PlannerSettings& settings, double step)
+    : vehicle_(vehicle), table_(table), curves_(curves), settings_(settings), model_settings_(settings.model) {
   model_settings_.step = step;
 }
 
 void Fleet::add(const BoxPoint& point) {
   const BoxPoint parameters(point.begin(), point.end() - 1);
   const common::VehicleParameters p = common::realise(vehicle_, table_, parameters);
-  const double idle = common::thrustFraction(p.quadratic_share, common::motorOutput(vehicle_.radio, 0.0));
-  models_.emplace_back(std::make_shared<rom::EnergySpline>(spline_.withForceScale(p.force_scale)), p, idle,
-                       model_settings_);
+  models_.push_back(curves_.model(vehicle_.radio, p, model_settings_));
   points_.push_back(point);
 }
 
@@ -66,7 +64,7 @@ double Fleet::margin(const rom::SnapPrediction& prediction) const {
   if (settings_.allow_out_of_table) return prediction.energy_margin;
   // Stretched beyond the table or the stop by 10 mm costs as much as missing the whole barrier: the energy stored there
   // is a guess. The other end does not count: what the model does not know there, a stop, only takes energy away.
-  const double beyond = prediction.peak_travel - std::min(vehicle_.limits.travel_max, spline_.highest());
+  const double beyond = prediction.peak_travel - std::min(vehicle_.limits.travel_max, curves_.spline().highest());
   return beyond > 0 ? std::min(prediction.energy_margin, -beyond / 0.010) : prediction.energy_margin;
 }
 

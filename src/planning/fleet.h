@@ -6,7 +6,7 @@
 #include "snapwing/common/pulse.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/planning/uncertainty_points.h"
-#include "snapwing/rom/energy_spline.h"
+#include "snapwing/rom/vehicle_curves.h"
 
 namespace snapwing::planning {
 
@@ -26,11 +26,12 @@ struct FleetOutcome {
 
 class Fleet {
  public:
-  /// @param step  of the model [s]
-  Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings, double step);
+  /// Keeps references. @param table  of one arm; @param curves  made of it and the wings; @param step  of the model [s]
+  Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
+        const PlannerSettings& settings, double step);
 
   /// A fleet of the same kind without vehicles.
-  Fleet emptyCopy() const { return Fleet(vehicle_, table_, settings_, model_settings_.step); }
+  Fleet emptyCopy() const { return Fleet(vehicle_, table_, curves_, settings_, model_settings_.step); }
 
   /// Adds a vehicle. Its last coordinate is the pulse's length error, in frame_jitter frames.
   void add(const BoxPoint& point);
@@ -55,9 +56,9 @@ class Fleet {
  private:
   const common::Vehicle& vehicle_;
   const common::ForceTable& table_;
+  const rom::VehicleCurves& curves_;
   const PlannerSettings& settings_;
   rom::LumpedSettings model_settings_;
-  rom::EnergySpline spline_;
   std::vector<BoxPoint> points_;
   std::vector<rom::LumpedModel> models_;
 };

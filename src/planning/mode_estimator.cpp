@@ -8,7 +8,7 @@
 #include "random_source.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/pulse.h"
-#include "snapwing/rom/energy_spline.h"
+#include "snapwing/rom/vehicle_curves.h"
 
 namespace snapwing::planning {
 
@@ -60,18 +60,19 @@ void EstimatorSettings::validate() const {
 }
 
 struct ModeEstimator::Impl {
-  Impl(const common::Vehicle& v, const common::ForceTable& table, const EstimatorSettings& s)
-      : vehicle(v), settings(s), spline(table), random(s.seed), cloud(v, table, s.particles, random) {
+  Impl(const common::Vehicle& v, const common::ForceTable& table, const EstimatorSettings& s,
+       const std::optional<common::WingTable>& wing)
+      : vehicle(v), settings(s), curves(table, wing), random(s.seed), cloud(v, table, s.particles, random) {
     trial.mount = s.mount;
     trial.gravity = s.gravity;
+    trial.wings = s.wings;
+    trial.validate();
   }
 
   std::shared_ptr<const rom::LumpedModel> modelFor(const common::VehicleParameters& p) const {
-    const double idle = common::thrustFraction(p.quadratic_share, common::motorOutput(vehicle.radio, 0.0));
     rom::LumpedSettings lumped;
     lumped.step = settings.step;
-    return std::make_shared<rom::LumpedModel>(std::make_shared<rom::EnergySpline>(spline.withForceScale(p.force_scale)),
-                                              p, idle, lumped);
+    return std::make_shared<rom::LumpedModel>(curves.model(vehicle.radio, p, lumped));
   }
 
   void reset(double at, common::Mode initial);
@@ -83,7 +84,7 @@ struct ModeEstimator::Impl {
 
   common::Vehicle vehicle;
   EstimatorSettings settings;
-  rom::EnergySpline spline;
+  rom::VehicleCurves curves;
   RandomSource random;
   ParameterCloud cloud;
   rom::Trial trial;
@@ -159,11 +160,8 @@ void ModeEstimator::Impl::weigh(double specific_force) {
   const double peak = 1.0 / (sigma * std::sqrt(2.0 * M_PI));
   double total = 0;
   for (Particle& particle : particles) {
-    const common::VehicleParameters& p = particle.model->parameters();
-    const rom::LumpedState& s = particle.state;
-    const double drag = p.centre_drag * std::abs(s.centre_speed) * s.centre_speed;
-    const double force = particle.model->potential().at(s.travel).force + p.damping * s.travelRate() - drag;
-    const double miss = (specific_force - force / p.centre_mass - particle.bias) / sigma;
+    const double expected = particle.model->centreSpecificForce(particle.state, trial);
+    const double miss = (specific_force - expected - particle.bias) / sigma;
     const double density =
         (1.0 - settings.outlier_share) * peak * std::exp(-0.5 * miss * miss) + settings.outlier_share * OUTLIER_DENSITY;
     particle.weight *= std::pow(density, share);
@@ -204,10 +202,11 @@ void ModeEstimator::Impl::resample() {
 }
 
 ModeEstimator::ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table,
-                             const EstimatorSettings& settings) {
+                             const EstimatorSettings& settings, const std::optional<common::WingTable>& wing) {
   settings.validate();
-  impl_ = std::make_unique<Impl>(vehicle, table, settings);
-  if (!impl_->spline.equilibria().bistable) throw common::Error("mode estimator: the force curve is not bistable");
+  impl_ = std::make_unique<Impl>(vehicle, table, settings, wing);
+  if (!impl_->curves.spline().equilibria().bistable)
+    throw common::Error("mode estimator: the force curve is not bistable");
   reset(0.0, common::Mode::UNKNOWN);
 }
 
@@ -252,7 +251,7 @@ void ModeEstimator::predictTo(double time) {
 ModeEstimate ModeEstimator::estimate() const {
   ModeEstimate result;
   result.time = impl_->time;
-  const double barrier = impl_->spline.equilibria().barrier;
+  const double barrier = impl_->curves.spline().equilibria().barrier;
   double quadrotor = 0, mean = 0, squares = 0, weights = 0;
   for (const Particle& particle : impl_->particles) {
     if (particle.state.travel > barrier) quadrotor += particle.weight;

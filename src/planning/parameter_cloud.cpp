@@ -8,10 +8,11 @@ namespace snapwing::planning {
 
 namespace {
 using P = common::VehicleParameters;
-constexpr std::array<double P::*, 14> FIELDS = {
-    &P::ring_mass,        &P::centre_mass,        &P::force_scale,     &P::damping,      &P::max_thrust,
-    &P::time_constant_up, &P::time_constant_down, &P::quadratic_share, &P::latency,      &P::ring_drag,
-    &P::centre_drag,      &P::boom_mass,          &P::boom_drag,       &P::boom_friction};
+constexpr std::array<double P::*, 16> FIELDS = {
+    &P::ring_mass,  &P::centre_mass,      &P::force_scale,        &P::damping,
+    &P::max_thrust, &P::time_constant_up, &P::time_constant_down, &P::quadratic_share,
+    &P::latency,    &P::ring_drag,        &P::centre_drag,        &P::boom_mass,
+    &P::boom_drag,  &P::boom_friction,    &P::wing_inertia,       &P::wing_friction};
 constexpr double SHRINK = 0.98;
 }  // namespace
 

@@ -103,10 +103,9 @@ std::vector<std::string> plannerCoordinateNames() {
 }
 
 PulsePlanner::PulsePlanner(const common::Vehicle& vehicle, const common::ForceTable& table,
-                           const PlannerSettings& settings)
-    : vehicle_(vehicle), table_(table), settings_(settings) {
+                           const PlannerSettings& settings, const std::optional<common::WingTable>& wing)
+    : vehicle_(vehicle), table_(table), settings_(settings), curves_(table, wing) {
   settings_.validate();
-  table_.validate();
 }
 
 TransitionPlan PulsePlanner::plan(common::Mode start, const rom::Trial& trial) const {
@@ -123,11 +122,11 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
     return refused(plan, "start and target must be known modes");
   }
   if (start == target) return refused(plan, "the vehicle is in mode " + common::modeName(target) + " already");
-  if (!rom::EnergySpline(table_).equilibria().bistable) {
+  if (!curves_.spline().equilibria().bistable) {
     return refused(plan, "the arms' force curve is not bistable: there is no second mode");
   }
 
-  PulseSearch search(vehicle_, table_, settings_, start, trial, cancelled);
+  PulseSearch search(vehicle_, table_, curves_, settings_, start, trial, cancelled);
   const BestPulse best = findBest(search, settings_);
   if (search.cancelled()) return refused(plan, "cancelled");
   describe(search, best, trial, &plan);
@@ -148,7 +147,7 @@ OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int th
   map.start_mode = start;
   const PlannerSettings& s = settings_;
   const int n = static_cast<int>(plannerCoordinateNames().size());
-  Fleet fleet(vehicle_, table_, s, s.model_step);
+  Fleet fleet(vehicle_, table_, curves_, s, s.model_step);
   fleet.add(BoxPoint(n, 0.0));
   fleet.add(sobolPoints(n, s.search_samples, 1));
   map.realisations = fleet.size();

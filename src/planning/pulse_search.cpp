@@ -12,14 +12,14 @@ constexpr int CANDIDATES = 12;  // pulses of the scan that may be returned to
 }  // namespace
 
 PulseSearch::PulseSearch(const common::Vehicle& vehicle, const common::ForceTable& table,
-                         const PlannerSettings& settings, common::Mode start, const rom::Trial& trial,
-                         const std::function<bool()>& cancelled)
+                         const rom::VehicleCurves& curves, const PlannerSettings& settings, common::Mode start,
+                         const rom::Trial& trial, const std::function<bool()>& cancelled)
     : settings_(settings),
       start_(start),
       trial_(trial),
       cancelled_(cancelled),
-      fleet_(vehicle, table, settings, settings.model_step),
-      checked_(vehicle, table, settings, settings.model.step) {
+      fleet_(vehicle, table, curves, settings, settings.model_step),
+      checked_(vehicle, table, curves, settings, settings.model.step) {
   const int n = static_cast<int>(plannerCoordinateNames().size());
   fleet_.add(BoxPoint(n, 0.0));
   fleet_.add(sobolPoints(n, settings.search_samples, 1));

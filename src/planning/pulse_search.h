@@ -18,8 +18,9 @@ inline double gridValue(double low, double high, int index, int count) {
 class PulseSearch {
  public:
   /// All references must outlive the search.
-  PulseSearch(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings,
-              common::Mode start, const rom::Trial& trial, const std::function<bool()>& cancelled);
+  PulseSearch(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
+              const PlannerSettings& settings, common::Mode start, const rom::Trial& trial,
+              const std::function<bool()>& cancelled);
 
   /// Coarse scan; keeps its best pulses.
   void scan();

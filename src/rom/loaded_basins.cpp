@@ -1,5 +1,6 @@
 #include "snapwing/rom/loaded_basins.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "snapwing/common/error.h"
@@ -7,19 +8,48 @@
 namespace snapwing::rom {
 
 namespace {
+constexpr int POINTS = 33;  // of a scan for an extremum; a parabola through three of them places it
+}  // namespace
 
-// Solves force(u) = load between two travels where force - load has opposite signs: Newton kept inside the bracket.
-double solveForce(const Potential& potential, double load, double low, double high) {
-  const bool rising = potential.at(low).force < load;
-  double u = 0.5 * (low + high);
+LoadedBasins::LoadedBasins(const Potential& potential, const WingInertia* wing)
+    : potential_(potential), wing_(wing), equilibria_(potential.equilibria()) {
+  if (!equilibria_.bistable) throw common::Error("the force curve is not bistable: there is no second mode");
+  if (!wing_) return;
+  const auto scan = [&](double from, double to) {
+    std::vector<Point> points;
+    for (int i = 0; i < POINTS; ++i) {
+      const double u = from + (to - from) * i / (POINTS - 1);
+      points.push_back({u, potential_.at(u).force, wing_->at(u).coupled_mass});
+    }
+    return points;
+  };
+  rising_ = scan(equilibria_.first, equilibria_.barrier);
+  falling_ = scan(equilibria_.barrier, equilibria_.second);
+}
+
+PotentialSample LoadedBasins::sample(double travel, double felt) const {
+  PotentialSample s = potential_.at(travel);
+  if (wing_) {
+    const WingSample w = wing_->at(travel);
+    s.energy += felt * w.mass_moment;
+    s.force += felt * w.coupled_mass;
+    s.stiffness += felt * w.coupled_slope;
+  }
+  return s;
+}
+
+// Zero of force - load between two travels where it has opposite signs: Newton kept inside the bracket.
+double LoadedBasins::solveForce(const RelativeLoad& load, double low, double high, double guess) const {
+  const bool rising = sample(low, load.felt).force < load.force;
+  double u = guess > low && guess < high ? guess : 0.5 * (low + high);
   for (int i = 0; i < 80; ++i) {
-    const PotentialSample sample = potential.at(u);
-    if ((sample.force < load) == rising) {
+    const PotentialSample here = sample(u, load.felt);
+    if ((here.force < load.force) == rising) {
       low = u;
     } else {
       high = u;
     }
-    double next = u - (sample.force - load) / sample.stiffness;
+    double next = u - (here.force - load.force) / here.stiffness;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     if (std::abs(next - u) < 1e-14) return next;
     u = next;
@@ -27,40 +57,92 @@ double solveForce(const Potential& potential, double load, double low, double hi
   return u;
 }
 
-}  // namespace
-
-LoadedBasins::LoadedBasins(const Potential& potential) : potential_(potential), equilibria_(potential.equilibria()) {
-  if (!equilibria_.bistable) throw common::Error("the force curve is not bistable: there is no second mode");
+double LoadedBasins::extremum(const std::vector<Point>& points, double felt, bool largest) const {
+  const double sign = largest ? 1.0 : -1.0;
+  int best = 0;
+  double value = -INFINITY;
+  for (int i = 0; i < POINTS; ++i) {
+    const double force = sign * (points[i].force + felt * points[i].coupled_mass);
+    if (force > value) {
+      value = force;
+      best = i;
+    }
+  }
+  if (best == 0 || best == POINTS - 1) return points[best].travel;
+  const auto at = [&](int i) { return points[i].force + felt * points[i].coupled_mass; };
+  const double left = at(best - 1), middle = at(best), right = at(best + 1);
+  const double bend = left - 2 * middle + right;
+  const double shift = bend != 0 ? std::clamp(0.5 * (left - right) / bend, -1.0, 1.0) : 0.0;
+  return points[best].travel + shift * (points[1].travel - points[0].travel);
 }
 
-bool LoadedBasins::equilibrium(common::Mode mode, double load, double* travel) const {
+LoadedBasins::Branch LoadedBasins::branch(double felt) const {
+  const Equilibria& e = equilibria_;
+  if (!wing_ || felt == 0) return {e.peak_travel, e.peak_force, e.valley_travel, e.valley_force};
+  Branch b;
+  b.peak_travel = extremum(rising_, felt, true);
+  b.valley_travel = extremum(falling_, felt, false);
+  b.peak_force = sample(b.peak_travel, felt).force;
+  b.valley_force = sample(b.valley_travel, felt).force;
+  return b;
+}
+
+double LoadedBasins::limit(common::Mode mode, double felt) const {
+  const Branch b = branch(felt);
+  return mode == common::Mode::FIXED_WING ? b.peak_force : b.valley_force;
+}
+
+bool LoadedBasins::equilibrium(common::Mode mode, const RelativeLoad& load, double* travel) const {
+  const Branch b = branch(load.felt);
   if (mode == common::Mode::FIXED_WING) {
-    if (load >= equilibria_.peak_force) return false;
-    double low = equilibria_.first, reach = 1e-3;
-    while (potential_.at(low).force > load) low -= (reach *= 2);
-    *travel = solveForce(potential_, load, low, equilibria_.peak_travel);
+    if (load.force >= b.peak_force) return false;
+    double low = std::min(equilibria_.first, b.peak_travel), reach = 1e-3;
+    while (sample(low, load.felt).force > load.force) low -= (reach *= 2);
+    *travel = solveForce(load, low, b.peak_travel, NAN);
     return true;
   }
-  if (load <= equilibria_.valley_force) return false;
-  double high = equilibria_.second, reach = 1e-3;
-  while (potential_.at(high).force < load) high += (reach *= 2);
-  *travel = solveForce(potential_, load, equilibria_.valley_travel, high);
+  if (load.force <= b.valley_force) return false;
+  double high = std::max(equilibria_.second, b.valley_travel), reach = 1e-3;
+  while (sample(high, load.felt).force < load.force) high += (reach *= 2);
+  *travel = solveForce(load, b.valley_travel, high, NAN);
   return true;
 }
 
-bool LoadedBasins::barrier(double load, double* travel) const {
-  if (load >= equilibria_.peak_force || load <= equilibria_.valley_force) return false;
-  *travel = solveForce(potential_, load, equilibria_.peak_travel, equilibria_.valley_travel);
-  return true;
+common::Mode LoadedBarrier::sideOf(double u) const {
+  if (u <= peak) return common::Mode::FIXED_WING;
+  if (u >= valley) return common::Mode::QUADROTOR;
+  return u < travel ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
 }
 
-double LoadedBasins::clearance(common::Mode mode, double travel, double kinetic, double load) const {
-  double top = 0;
-  if (!barrier(load, &top)) {
-    const bool only_first = load <= equilibria_.valley_force;
-    return (mode == common::Mode::FIXED_WING) == only_first ? INFINITY : -INFINITY;
+LoadedBarrier LoadedBasins::barrierUnder(const RelativeLoad& load, double guess) const {
+  const Branch b = branch(load.felt);
+  LoadedBarrier barrier;
+  barrier.peak = b.peak_travel;
+  barrier.valley = b.valley_travel;
+  if (load.force >= b.peak_force) {
+    barrier.travel = b.peak_travel;
+    barrier.excess = (load.force - b.peak_force) * (equilibria_.barrier - b.peak_travel);
+  } else if (load.force <= b.valley_force) {
+    barrier.travel = b.valley_travel;
+    barrier.excess = (b.valley_force - load.force) * (b.valley_travel - equilibria_.barrier);
+  } else {
+    barrier.exists = true;
+    barrier.travel = solveForce(load, b.peak_travel, b.valley_travel, guess);
   }
-  return loadedEnergy(top, load) - loadedEnergy(travel, load) - kinetic;
+  return barrier;
+}
+
+double LoadedBasins::loadedEnergy(double travel, const RelativeLoad& load) const {
+  return sample(travel, load.felt).energy - load.force * travel;
+}
+
+double LoadedBasins::clearance(common::Mode mode, double travel, double kinetic, const RelativeLoad& load) const {
+  const LoadedBarrier top = barrierUnder(load);
+  if (!top.exists) {
+    const common::Mode left = top.travel == top.peak ? common::Mode::QUADROTOR : common::Mode::FIXED_WING;
+    return mode == left ? INFINITY : -INFINITY;
+  }
+  return loadedEnergy(top.travel, load) - loadedEnergy(travel, load) - kinetic;
 }
 
 }  // namespace snapwing::rom

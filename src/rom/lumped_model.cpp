@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "margin_watch.h"
+#include "resistance.h"
 #include "snapwing/common/error.h"
-#include "snapwing/rom/energy_spline.h"
 
 namespace snapwing::rom {
 
@@ -49,52 +49,96 @@ void LumpedSettings::validate() const {
 }
 
 LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,
-                         double idle_fraction, const LumpedSettings& settings)
-    : potential_(std::move(potential)), parameters_(parameters), idle_fraction_(idle_fraction), settings_(settings) {
+                         double idle_fraction, const LumpedSettings& settings, std::shared_ptr<const WingInertia> wing)
+    : potential_(std::move(potential)),
+      parameters_(parameters),
+      idle_fraction_(idle_fraction),
+      settings_(settings),
+      wing_(std::move(wing)) {
   if (!potential_) throw common::Error("lumped model: no potential");
   validate(parameters_);
   settings_.validate();
   require(idle_fraction_ >= 0 && idle_fraction_ < 1, "idle_fraction", idle_fraction_, "0 .. below 1");
 }
 
-LumpedModel LumpedModel::fromVehicle(const common::Vehicle& vehicle, const common::ForceTable& table,
-                                     const common::VehicleParameters& parameters, const LumpedSettings& settings) {
-  const double idle = common::thrustFraction(parameters.quadratic_share, common::motorOutput(vehicle.radio, 0.0));
-  return LumpedModel(std::make_shared<EnergySpline>(table, parameters.force_scale), parameters, idle, settings);
-}
-
 double LumpedModel::thrustFraction(const common::Radio& radio, double throttle) const {
   return common::thrustFraction(parameters_.quadratic_share, common::motorOutput(radio, throttle));
 }
 
-double LumpedModel::relativeMass(Mount mount) const {
-  const common::VehicleParameters& p = parameters_;
-  if (mount == Mount::HELD) return p.centre_mass;
-  const double ring = p.ring_mass + (mount == Mount::BOOM ? p.boom_mass : 0.0);
-  return ring * p.centre_mass / (ring + p.centre_mass);
+const WingInertia* LumpedModel::wingsOf(const Trial& trial) const {
+  if (trial.wings.value_or(false) && !wing_) {
+    throw common::Error("trial: wings are on, but the vehicle has none; allowed: a vehicle file with the key 'wing'");
+  }
+  return trial.wings.value_or(trial.mount != Mount::BOOM) ? wing_.get() : nullptr;
 }
 
-double LumpedModel::relativeEnergy(const LumpedState& state, Mount mount) const {
+double LumpedModel::relativeMass(const Trial& trial, double travel) const {
+  const double centre = parameters_.centre_mass;
+  const bool held = trial.mount == Mount::HELD;
+  const double ring = ringMass(trial);
+  const WingInertia* wing = wingsOf(trial);
+  if (!wing) return held ? centre : ring * centre / (ring + centre);
+  const WingSample w = wing->at(travel);
+  const double lag = centre - w.coupled_mass;
+  return centre + w.kinetic_mass - (held ? 0.0 : lag * lag / (ring + centre));
+}
+
+double LumpedModel::relativeEnergy(const LumpedState& state, const Trial& trial) const {
   const double rate = state.travelRate();
-  return 0.5 * relativeMass(mount) * rate * rate + potential_->energy(state.travel);
+  return 0.5 * relativeMass(trial, state.travel) * rate * rate + potential_->energy(state.travel);
 }
 
-double LumpedModel::relativeLoad(const LumpedState& state, const Trial& trial) const {
+double LumpedModel::commonSpeed(const LumpedState& state, const Trial& trial) const {
+  if (trial.mount == Mount::HELD) return state.ring_speed;
+  const double ring = ringMass(trial), centre = parameters_.centre_mass;
+  const WingInertia* wing = wingsOf(trial);
+  const double coupled = wing ? wing->at(state.travel).coupled_mass * state.travelRate() : 0.0;
+  return (ring * state.ring_speed + centre * state.centre_speed + coupled) / (ring + centre);
+}
+
+LumpedModel::RingResistance LumpedModel::ringResistance(double ring_speed, const Trial& trial) const {
   const common::VehicleParameters& p = parameters_;
-  const double centre_drag = p.centre_drag * std::abs(state.centre_speed) * state.centre_speed;
-  if (trial.mount == Mount::HELD) return p.centre_mass * trial.gravity + centre_drag;
-  const bool boom = trial.mount == Mount::BOOM;
-  const double v = state.ring_speed;
-  double push = state.thrust - (p.ring_drag + (boom ? p.boom_drag : 0.0)) * std::abs(v) * v;
-  if (boom) push -= p.boom_friction * v / std::sqrt(v * v + settings_.friction_speed * settings_.friction_speed);
-  const double ring = p.ring_mass + (boom ? p.boom_mass : 0.0);
-  // Gravity pulls both alike and drops out of the relative motion.
-  return (p.centre_mass * push + ring * centre_drag) / (ring + p.centre_mass);
+  if (trial.mount != Mount::BOOM) {
+    const Resistance air = drag(p.ring_drag, ring_speed);
+    return {air.force, air.slope};
+  }
+  const Resistance air = drag(p.ring_drag + p.boom_drag, ring_speed);
+  const Resistance rub = coulomb(p.boom_friction, ring_speed, settings_.friction_speed);
+  return {air.force + rub.force, air.slope + rub.slope};
+}
+
+RelativeLoad LumpedModel::relativeLoad(const LumpedState& state, const Trial& trial) const {
+  const double centre = parameters_.centre_mass;
+  const double centre_drag = drag(parameters_.centre_drag, state.centre_speed).force;
+  if (trial.mount == Mount::HELD) return {centre * trial.gravity + centre_drag, trial.gravity};
+  const double push = state.thrust - ringResistance(state.ring_speed, trial).force;
+  const double ring = ringMass(trial), all = ring + centre;
+  // Gravity pulls all alike and drops out of the relative motion.
+  return {(centre * push + ring * centre_drag) / all, (push - centre_drag) / all};
+}
+
+double LumpedModel::centreSpecificForce(const LumpedState& state, const Trial& trial) const {
+  const double centre = parameters_.centre_mass, w = state.travelRate();
+  const double centre_drag = drag(parameters_.centre_drag, state.centre_speed).force;
+  const double arms = potential_->at(state.travel).force + parameters_.damping * w;
+  const WingInertia* wing = wingsOf(trial);
+  if (!wing) return (arms - centre_drag) / centre;
+  const WingSample s = wing->at(state.travel);
+  const bool held = trial.mount == Mount::HELD;
+  const double all = ringMass(trial) + centre, lag = centre - s.coupled_mass;
+  const double mass = centre + s.kinetic_mass - (held ? 0.0 : lag * lag / all);
+  const double mass_slope = s.kinetic_slope + (held ? 0.0 : 2.0 * lag * s.coupled_slope / all);
+  const RelativeLoad load = relativeLoad(state, trial);
+  const double rub = coulomb(s.friction, w, settings_.friction_speed).force;
+  const double relative = (load.force - load.felt * s.coupled_mass - arms - rub - 0.5 * mass_slope * w * w) / mass;
+  if (held) return trial.gravity - relative;
+  const double ring = load.felt + (lag * relative - s.coupled_slope * w * w) / all;  // its own specific force
+  return ring - relative;
 }
 
 LumpedState LumpedModel::startState(common::Mode mode, const Trial& trial, bool* held) const {
   if (mode == common::Mode::UNKNOWN) throw common::Error("lumped model: the start mode is unknown; allowed: F or Q");
-  const LoadedBasins basins(*potential_);
+  const LoadedBasins basins(*potential_, wingsOf(trial));
   LumpedState state;
   state.thrust = trial.initial_thrust_fraction.value_or(idle_fraction_) * parameters_.max_thrust;
   if (trial.mount != Mount::HELD) state.ring_speed = state.centre_speed = trial.initial_speed;

@@ -1,40 +1,9 @@
 #include <cmath>
 
+#include "resistance.h"
 #include "snapwing/rom/lumped_model.h"
 
 namespace snapwing::rom {
-
-namespace {
-
-/// Force against motion and its slope.
-struct Resistance {
-  double force = 0, slope = 0;
-};
-
-Resistance drag(double coefficient, double speed) {
-  const double k = coefficient * std::abs(speed);
-  return {k * speed, 2.0 * k};
-}
-
-Resistance coulomb(double friction, double speed, double width) {
-  const double r = 1.0 / std::sqrt(speed * speed + width * width);
-  return {friction * speed * r, friction * width * width * r * r * r};
-}
-
-/// Elastic force over a step and its slope in the end travel: the discrete gradient, which does exactly the work that
-/// the energy loses. For steps too short for the quotient it is the force at the middle.
-Resistance elasticForce(const Potential& potential, double u0, double energy0, double u1) {
-  const double du = u1 - u0;
-  if (std::abs(du) < 1e-7) {
-    const PotentialSample middle = potential.at(u0 + 0.5 * du);
-    return {middle.force, 0.5 * middle.stiffness};
-  }
-  const PotentialSample end = potential.at(u1);
-  const double force = (end.energy - energy0) / du;
-  return {force, (end.force - force) / du};
-}
-
-}  // namespace
 
 LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt, const Trial& trial) const {
   const common::VehicleParameters& p = parameters_;
@@ -48,10 +17,19 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
   next.thrust = state.thrust + (wanted - state.thrust) * decay;
   const double mean_thrust = wanted + (state.thrust - wanted) * decay * lag / dt;
 
+  if (const WingInertia* wing = wingsOf(trial)) {
+    wingedStep(state, mean_thrust, dt, trial, *wing, &next);
+  } else {
+    plainStep(state, mean_thrust, dt, trial, &next);
+  }
+  return next;
+}
+
+void LumpedModel::plainStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
+                            LumpedState* next) const {
+  const common::VehicleParameters& p = parameters_;
   const bool held = trial.mount == Mount::HELD;
-  const bool boom = trial.mount == Mount::BOOM;
-  const double ring_mass = p.ring_mass + (boom ? p.boom_mass : 0.0);
-  const double ring_drag = p.ring_drag + (boom ? p.boom_drag : 0.0);
+  const double ring_mass = ringMass(trial);
   const double inertia_r = 2.0 * ring_mass / dt, inertia_c = 2.0 * p.centre_mass / dt;
   const double energy0 = potential_->energy(state.travel);
 
@@ -69,11 +47,10 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
     if (held) {
       move_c = -residual_c / slope_c;
     } else {
-      const Resistance dr = drag(ring_drag, vr);
-      const Resistance rub = boom ? coulomb(p.boom_friction, vr, settings_.friction_speed) : Resistance{};
+      const RingResistance against = ringResistance(vr, trial);
       const double residual_r =
-          inertia_r * (vr - state.ring_speed) - mean_thrust + dr.force + rub.force + arms + ring_mass * trial.gravity;
-      const double slope_r = inertia_r + dr.slope + rub.slope + arms_slope;
+          inertia_r * (vr - state.ring_speed) - mean_thrust + against.force + arms + ring_mass * trial.gravity;
+      const double slope_r = inertia_r + against.slope + arms_slope;
       const double det = slope_r * slope_c - arms_slope * arms_slope;
       move_r = -(slope_c * residual_r + arms_slope * residual_c) / det;
       move_c = -(arms_slope * residual_r + slope_r * residual_c) / det;
@@ -83,12 +60,11 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
     if (std::abs(move_r) + std::abs(move_c) < 1e-13 * (1.0 + std::abs(vr) + std::abs(vc))) break;
   }
   if (!held) {
-    next.ring_speed = 2.0 * vr - state.ring_speed;
-    next.position = state.position + dt * vr;
+    next->ring_speed = 2.0 * vr - state.ring_speed;
+    next->position = state.position + dt * vr;
   }
-  next.centre_speed = 2.0 * vc - state.centre_speed;
-  next.travel = state.travel + dt * (vr - vc);
-  return next;
+  next->centre_speed = 2.0 * vc - state.centre_speed;
+  next->travel = state.travel + dt * (vr - vc);
 }
 
 }  // namespace snapwing::rom

@@ -44,13 +44,13 @@ MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::M
     : model_(model),
       trial_(trial),
       equilibria_(model.potential().equilibria()),
-      basins_(model.potential()),
+      basins_(model.potential(), model.wingsOf(trial)),
       start_(start),
       target_(common::otherMode(start)),
-      mass_(model.relativeMass(trial.mount)),
       last_(first),
       last_load_(model.relativeLoad(first, trial)),
-      side_(sideOf(first.travel, last_load_)),
+      last_barrier_(basins_.barrierUnder(last_load_)),
+      side_(last_barrier_.sideOf(first.travel)),
       peak_(first.travel),
       least_(first.travel),
       peak_speed_(std::abs(first.ring_speed)),
@@ -60,42 +60,29 @@ MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::M
       earlier_distance_(-INFINITY),
       last_distance_(-INFINITY) {}
 
-double MarginWatch::barrierUnder(double load) const {
-  double travel = 0;
-  if (basins_.barrier(load, &travel)) return travel;
-  return load > 0 ? equilibria_.peak_travel : equilibria_.valley_travel;
-}
-
-common::Mode MarginWatch::sideOf(double travel, double load) const {
-  if (travel <= equilibria_.peak_travel) return common::Mode::FIXED_WING;
-  if (travel >= equilibria_.valley_travel) return common::Mode::QUADROTOR;
-  return travel < barrierUnder(load) ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
-}
-
 double MarginWatch::barrierOf(common::Mode side) const {
   return side == common::Mode::FIXED_WING ? equilibria_.barrier_first : equilibria_.barrier_second;
 }
 
-void MarginWatch::enter(common::Mode side, double relative_rate, double load) {
+double MarginWatch::kinetic(double travel, double rate) const {
+  return 0.5 * model_.relativeMass(trial_, travel) * rate * rate;
+}
+
+void MarginWatch::enter(common::Mode side, double travel, double relative_rate, const RelativeLoad& load) {
   // Without a barrier under this load, what the load has left over counts along the falling branch.
-  double excess = 0;
-  if (load > equilibria_.peak_force) {
-    excess = (load - equilibria_.peak_force) * (equilibria_.barrier - equilibria_.peak_travel);
-  } else if (load < equilibria_.valley_force) {
-    excess = (equilibria_.valley_force - load) * (equilibria_.valley_travel - equilibria_.barrier);
-  }
   side_ = side;
-  entry_ = (0.5 * mass_ * relative_rate * relative_rate + excess) / barrierOf(common::otherMode(side));
+  entry_ = (kinetic(travel, relative_rate) + basins_.barrierUnder(load).excess) / barrierOf(common::otherMode(side));
   hold_ = INFINITY;
   earlier_distance_ = last_distance_ = -INFINITY;
 }
 
 void MarginWatch::approach(double distance) {
-  double barrier = 0, rest = 0;
+  double rest = 0;
   // Only on the flank between the basin's bottom and its barrier: elsewhere the load has just made or moved the basin,
   // and its energy at this place says nothing about leaving it.
-  if (last_distance_ <= earlier_distance_ && last_distance_ < distance && basins_.barrier(last_load_, &barrier) &&
-      basins_.equilibrium(side_, last_load_, &rest) && (last_.travel - rest) * (barrier - last_.travel) >= 0) {
+  if (last_distance_ <= earlier_distance_ && last_distance_ < distance && last_barrier_.exists &&
+      basins_.equilibrium(side_, last_load_, &rest) &&
+      (last_.travel - rest) * (last_barrier_.travel - last_.travel) >= 0) {
     hold_ = std::min(hold_, basins_.clearance(side_, last_.travel, 0.0, last_load_) / barrierOf(side_));
   }
   earlier_distance_ = last_distance_;
@@ -103,9 +90,12 @@ void MarginWatch::approach(double distance) {
 }
 
 void MarginWatch::add(const LumpedState& next) {
-  const double load = model_.relativeLoad(next, trial_);
+  const RelativeLoad load = model_.relativeLoad(next, trial_);
   const StepCubic cubic(last_, next);
-  const auto load_at = [&](double s) { return last_load_ + s * (load - last_load_); };
+  const auto load_at = [&](double s) {
+    return RelativeLoad{last_load_.force + s * (load.force - last_load_.force),
+                        last_load_.felt + s * (load.felt - last_load_.felt)};
+  };
   if ((last_.travel < equilibria_.barrier) != (next.travel < equilibria_.barrier)) {
     const double s = bisectShare([&](double share) { return cubic.travel(share) - equilibria_.barrier; });
     crossing_time_ = last_.time + s * cubic.dt;
@@ -115,19 +105,22 @@ void MarginWatch::add(const LumpedState& next) {
     peak_ = std::max(peak_, turning);
     least_ = std::min(least_, turning);
   }
-  const double barrier = barrierUnder(load);
-  const common::Mode side = sideOf(next.travel, load);
+  const LoadedBarrier barrier = basins_.barrierUnder(load, last_barrier_.travel);
+  const common::Mode side = barrier.sideOf(next.travel);
   if (side != side_) {
-    const double at = bisectShare(
-        [&](double s) { return sideOf(cubic.travel(s), load_at(s)) == common::Mode::FIXED_WING ? -1.0 : 1.0; });
-    enter(side, cubic.rate(at) - (barrier - barrierUnder(last_load_)) / cubic.dt, load_at(at));
+    const double at = bisectShare([&](double s) {
+      return basins_.barrierUnder(load_at(s)).sideOf(cubic.travel(s)) == common::Mode::FIXED_WING ? -1.0 : 1.0;
+    });
+    const double barrier_rate = (barrier.travel - last_barrier_.travel) / cubic.dt;
+    enter(side, cubic.travel(at), cubic.rate(at) - barrier_rate, load_at(at));
   }
-  approach(std::abs(next.travel - barrier));
+  approach(std::abs(next.travel - barrier.travel));
   peak_ = std::max(peak_, next.travel);
   least_ = std::min(least_, next.travel);
   peak_speed_ = std::max(peak_speed_, std::abs(next.ring_speed));
   last_ = next;
   last_load_ = load;
+  last_barrier_ = barrier;
 }
 
 bool MarginWatch::settled(double demand) const {
@@ -136,9 +129,8 @@ bool MarginWatch::settled(double demand) const {
   const common::Mode side = side_;
   double rest = 0;
   if (!basins_.equilibrium(side, last_load_, &rest)) return false;
-  const double w = last_.travelRate();
-  const double excess =
-      0.5 * mass_ * w * w + basins_.loadedEnergy(last_.travel, last_load_) - basins_.loadedEnergy(rest, last_load_);
+  const double excess = kinetic(last_.travel, last_.travelRate()) + basins_.loadedEnergy(last_.travel, last_load_) -
+                        basins_.loadedEnergy(rest, last_load_);
   const double small =
       model_.settings().settled_share * std::min(equilibria_.barrier_first, equilibria_.barrier_second);
   // Slow is not calm: a basin that the load has made shallow holds little.
@@ -168,18 +160,15 @@ void MarginWatch::finish(bool settled, SnapPrediction* out) const {
   out->least_travel = least_;
   out->peak_speed = peak_speed_;
   out->end_travel = last_.travel;
-  const common::VehicleParameters& p = model_.parameters();
-  const double ring = p.ring_mass + (trial_.mount == Mount::BOOM ? p.boom_mass : 0.0);
-  out->end_speed = (ring * last_.ring_speed + p.centre_mass * last_.centre_speed) / (ring + p.centre_mass);
-  if (trial_.mount == Mount::HELD) out->end_speed = last_.ring_speed;
+  out->end_speed = model_.commonSpeed(last_, trial_);
   out->out_of_table = !model_.potential().inTable(peak_) || !model_.potential().inTable(least_);
 
   if (!settled) {
     out->energy_margin = -1.0;
     return;
   }
-  const double w = last_.travelRate();
-  const double here = basins_.clearance(side_, last_.travel, 0.5 * mass_ * w * w, last_load_) / barrierOf(side_);
+  const double moving = kinetic(last_.travel, last_.travelRate());
+  const double here = basins_.clearance(side_, last_.travel, moving, last_load_) / barrierOf(side_);
   const double distance = std::clamp(std::min({entry_, hold_, here}), 0.0, LARGEST_MARGIN);
   out->energy_margin = side_ == target_ ? distance : -distance;
 }

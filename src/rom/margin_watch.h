@@ -21,13 +21,11 @@ class MarginWatch {
   void finish(bool settled, SnapPrediction* prediction) const;
 
  private:
-  /// Barrier under a load that is clamped to where there is one.
-  double barrierUnder(double load) const;
-  /// Which side of the loaded barrier u is on.
-  common::Mode sideOf(double travel, double load) const;
   double barrierOf(common::Mode side) const;
+  /// Energy of the relative motion [J].
+  double kinetic(double travel, double rate) const;
   /// @param relative_rate  [m/s] of the travel against the loaded barrier, which moves with the load
-  void enter(common::Mode side, double relative_rate, double load);
+  void enter(common::Mode side, double travel, double relative_rate, const RelativeLoad& load);
   /// Takes the next distance from the loaded barrier; where the one before was the closest, its clearance counts.
   void approach(double distance);
 
@@ -36,9 +34,9 @@ class MarginWatch {
   const Equilibria& equilibria_;
   LoadedBasins basins_;
   common::Mode start_, target_;
-  double mass_;
   LumpedState last_;
-  double last_load_;
+  RelativeLoad last_load_;
+  LoadedBarrier last_barrier_;
   common::Mode side_;  ///< of the loaded barrier
   double peak_, least_, peak_speed_;
   double crossing_time_;                     ///< [s] last crossing of the unloaded barrier; NaN = none

@@ -25,6 +25,17 @@ std::string mountName(Mount mount) {
   return "held";
 }
 
+std::optional<bool> wingsFromName(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  if (text == "on" || text == "off") return text == "on";
+  throw common::Error("wings is '" + text + "'; allowed: auto, on, off");
+}
+
+std::string wingsName(const std::optional<bool>& wings) {
+  if (!wings) return "auto";
+  return *wings ? "on" : "off";
+}
+
 namespace {
 void require(bool good, const char* name, double value, const char* allowed) {
   if (!good)
@@ -40,6 +51,11 @@ void Trial::validate() const {
   require(std::abs(initial_speed) <= 200.0, "initial_speed", initial_speed, "-200 .. 200 m/s");
   require(mount != Mount::HELD || initial_speed == 0.0, "initial_speed", initial_speed, "0 when the ring is held");
   require(horizon > 0.0 && horizon <= 60.0, "horizon", horizon, "above 0, up to 60 s");
+  if (wings.value_or(false) && mount == Mount::BOOM) {
+    throw common::Error(
+        "trial: wings are on and the mount is boom, where the centripetal force turns them, which is "
+        "not modelled; allowed: free, held, or wings off");
+  }
   requireShare("initial_thrust_fraction", initial_thrust_fraction);
   requireShare("final_thrust_fraction", final_thrust_fraction);
 }

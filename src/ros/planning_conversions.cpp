@@ -42,6 +42,7 @@ TransitionPlan toMessage(const planning::TransitionPlan& plan) {
 rom::Trial readTrial(Params& params) {
   rom::Trial trial;
   trial.mount = rom::mountFromName(params.choice("mount", {"free", "boom", "held"}));
+  trial.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   trial.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   trial.horizon = params.number("horizon", {0.1, 20.0}, "s");
   trial.validate();

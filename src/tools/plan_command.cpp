@@ -92,8 +92,8 @@ void printPlan(const planning::TransitionPlan& plan) {
   std::printf("with every uncertain number at its bad end at once the margin is %+.3f\n", plan.vertex_margin);
 }
 
-void printAccidents(const std::vector<planning::AccidentMargin>& margins) {
-  std::printf("what may flip the mode by accident (nominal vehicle):\n");
+void printAccidents(const std::vector<planning::AccidentMargin>& margins, bool wings) {
+  std::printf("what may flip the mode by accident (nominal vehicle in flight, wings %s):\n", wings ? "on" : "off");
   for (const auto& m : margins) {
     if (std::isinf(m.limit)) {
       std::printf("  %-34s no limit found    ", m.name.c_str());
@@ -111,7 +111,8 @@ int plan(const PlanOptions& options) {
   const common::ForceTable table = common::loadForceTable(table_file);
   const common::Mode start = common::modeFromName(options.start);
   const rom::Trial trial = options.trial.trial();
-  const planning::PulsePlanner planner(vehicle, table, options.settings);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  const planning::PulsePlanner planner(vehicle, table, options.settings, wing);
 
   const auto begin = std::chrono::steady_clock::now();
   planning::TransitionPlan result = planner.plan(start, trial);
@@ -123,8 +124,9 @@ int plan(const PlanOptions& options) {
   }
   std::vector<planning::AccidentMargin> accidents;
   if (options.accidents) {
-    accidents = planning::accidentMargins(vehicle, table);
-    printAccidents(accidents);
+    const bool wings = wing && trial.wings.value_or(true);
+    accidents = planning::accidentMargins(vehicle, table, wings ? wing : std::nullopt);
+    printAccidents(accidents, wings);
   }
   if (!options.json_file.empty()) {
     nlohmann::ordered_json json = {

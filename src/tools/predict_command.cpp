@@ -46,8 +46,8 @@ int predict(const PredictOptions& options) {
   const rom::Trial trial = options.trial.trial();
   rom::LumpedSettings settings;
   settings.step = options.step;
-  const rom::LumpedModel model =
-      rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), settings);
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table),
+                                                               settings, common::wingTableOf(vehicle));
 
   TrajectoryCsv csv;
   rom::LumpedObserver observer;
@@ -61,8 +61,8 @@ int predict(const PredictOptions& options) {
   rom::SnapPrediction prediction = model.predict(start, options.pulse, vehicle.radio, trial, observer);
   prediction.compute_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 
-  std::printf("%s, %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
-              rom::mountName(trial.mount).c_str(), options.pulse.throttle,
+  std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
+              rom::mountName(trial.mount).c_str(), model.wingsOf(trial) ? "on" : "off", options.pulse.throttle,
               100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
   std::printf("%s\n", predictionLine(prediction).c_str());
   if (!prediction.start_held)

@@ -35,6 +35,7 @@ ordered_json pulseJson(const common::Pulse& pulse) {
 
 ordered_json trialJson(const rom::Trial& trial) {
   ordered_json json = {{"mount", rom::mountName(trial.mount)},
+                       {"wings", rom::wingsName(trial.wings)},
                        {"gravity", trial.gravity},
                        {"initial_speed", trial.initial_speed},
                        {"horizon", trial.horizon}};

@@ -10,7 +10,7 @@
 namespace snapwing::tools {
 
 struct TrialOptions {
-  std::string mount = "boom";
+  std::string mount = "boom", wings = "auto";
   double gravity = 0;
   double initial_speed = 0;
   std::optional<double> initial_thrust, final_thrust;
@@ -19,6 +19,9 @@ struct TrialOptions {
   void addTo(CLI::App& command) {
     command.add_option("--mount", mount, "free (flight), boom (the paper's stand) or held (ring stands still)")
         ->check(CLI::IsMember({"free", "boom", "held"}))
+        ->capture_default_str();
+    command.add_option("--wings", wings, "on or off; auto: on if the vehicle has them, but off on a boom")
+        ->check(CLI::IsMember({"auto", "on", "off"}))
         ->capture_default_str();
     command.add_option("--gravity", gravity, "pull against the thrust axis [m/s2]: 9.81 upright, -9.81 inverted")
         ->capture_default_str();
@@ -34,6 +37,7 @@ struct TrialOptions {
   rom::Trial trial() const {
     rom::Trial result;
     result.mount = rom::mountFromName(mount);
+    result.wings = rom::wingsFromName(wings);
     result.gravity = gravity;
     result.initial_speed = initial_speed;
     result.initial_thrust_fraction = initial_thrust;

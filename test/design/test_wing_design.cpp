@@ -122,7 +122,32 @@ TEST(WingOutcome, FilesAreFoundAgainAndTheBladeIsTabulated) {
   const double rate = (t.tip_y[1] - t.tip_y[0]) / (t.travel[1] - t.travel[0]);
   EXPECT_GT(t.kinetic_mass[0], 0.3 * 2 * 0.005 * rate * rate);
   EXPECT_LT(t.kinetic_mass[0], 2 * made.mass * 4 * rate * rate);
+  // No motion of the wings' mass has less energy than that of its own centre: S^2 <= m K.
+  for (std::size_t i = 0; i < t.travel.size(); ++i) {
+    EXPECT_LE(t.coupled_mass[i] * t.coupled_mass[i], 2 * made.mass * t.kinetic_mass[i] * (1 + 1e-9)) << i;
+  }
   EXPECT_NE(wingHash(settings, WingRung::RIGID), wingHash(settings, WingRung::SOLIDS));
+}
+
+TEST(WingBladeInertia, CoupledMassIsTheMotionOfTheCentre) {
+  const WingSettings settings = paperSettings();
+  const common::Vehicle vehicle = common::loadVehicle(settings.vehicle_file);
+  const WingBlade blade(layoutOf(settings, paperDesign(), vehicle, "rigid"));
+  const ArmMotion& motion = *settings.motion;
+  common::WingTable table = *tabulate(paperDesign().linkage, motion, motion.largestTravel(), 41);
+  addBlade(blade, motion, &table);
+  for (const int i : {3, 10, 20, 35}) {
+    double best = INFINITY;
+    for (const double h : {1e-3, 1e-4, 1e-5, 1e-6}) {
+      const auto height = [&](double u) {
+        const MassProperties m = blade.massAt(*blade.poseAt(motion.rotation(u), WingSide::RIGHT));
+        return 2 * m.mass * m.centre.z();
+      };
+      const double s = (height(table.travel[i] + h) - height(table.travel[i] - h)) / (2 * h);
+      best = std::min(best, std::abs(s - table.coupled_mass[i]));
+    }
+    EXPECT_LT(best, 1e-6) << i;
+  }
 }
 
 TEST(WingClearance, FallsWhereThePropellersGrow) {

@@ -4,7 +4,9 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/dynamics/plant.h"
+#include "snapwing/rom/energy_spline.h"
 #include "support/example_table.h"
+#include "support/example_wing.h"
 
 namespace snapwing::dynamics {
 namespace {
@@ -168,6 +170,69 @@ TEST_F(PlantTest, DrawsAreReproducibleAndDiffer) {
     EXPECT_GE(p.centre_mass, vehicle_.masses.centre.low());
     EXPECT_LE(p.centre_mass, vehicle_.masses.centre.high());
   }
+}
+
+TEST_F(PlantTest, KeepsMomentumAndEnergyWithWings) {
+  parameters_.damping = parameters_.ring_drag = parameters_.centre_drag = 0.0;
+  const common::WingTable wing = snapwing::testing::exampleWing(1.0, 0.0, 8001);  // so fine that straight lines serve
+  PlantSettings settings;
+  settings.mount = PlantMount::FREE;
+  Plant p(vehicle_, table_, parameters_, settings, wing);
+  p.reset(Mode::FIXED_WING);
+  p.setMotorOutputs(all(0.9));
+  p.advanceTo(0.16);
+  p.setMotorOutputs(all(0.0));
+  p.advanceTo(1.5);  // the thrust has died
+  const double ring = parameters_.ring_mass, centre = parameters_.centre_mass;
+  const auto at = [&](const std::vector<double>& column) { return wing.at(column, p.state().travel()); };
+  const auto momentum = [&] {
+    const PlantState& s = p.state();
+    return ring * s.ring_speed + centre * s.centre_speed + at(wing.coupled_mass) * s.travelRate();
+  };
+  const rom::EnergySpline arms(table_, parameters_.force_scale);
+  const auto energy = [&] {
+    const PlantState& s = p.state();
+    const double v = s.ring_speed, w = s.travelRate();
+    return 0.5 * ring * v * v + 0.5 * centre * s.centre_speed * s.centre_speed + at(wing.coupled_mass) * v * w +
+           0.5 * at(wing.kinetic_mass) * w * w + arms.energy(s.travel());
+  };
+  const double momentum0 = momentum(), energy0 = energy();
+  double most = -INFINITY, least = INFINITY, drift = 0;
+  for (double t = 1.5; t < 4.0; t += 0.001) {
+    p.advanceTo(t);
+    most = std::max(most, p.state().travel());
+    least = std::min(least, p.state().travel());
+    drift = std::max(drift, std::abs(energy() - energy0));
+  }
+  EXPECT_NEAR(momentum(), momentum0, 1e-6);
+  EXPECT_GT(most - least, 0.01);
+  EXPECT_LT(drift, 1e-4);  // of 15 J; the plant's cubic force and this quintic energy differ a little
+}
+
+TEST_F(PlantTest, RingInTheHandCarriesTheWingsWeight) {
+  const common::WingTable wing = snapwing::testing::exampleWing();
+  PlantSettings settings;
+  settings.mount = PlantMount::HELD;
+  settings.gravity = 5.0;
+  Plant p(vehicle_, table_, parameters_, settings, wing);
+  p.reset(Mode::FIXED_WING);
+  p.advanceTo(10.0);
+  // The centre's weight less what the wings' weight pulls back is what the arms carry.
+  const double u = p.state().travel(), pull = 5.0 * (parameters_.centre_mass - wing.at(wing.coupled_mass, u));
+  EXPECT_NEAR(p.centreSpecificForce(), 5.0, 1e-6);
+  EXPECT_NEAR(rom::EnergySpline(table_, parameters_.force_scale).at(u).force, pull, 2e-4);
+}
+
+TEST_F(PlantTest, WingsOnABoomOrWithoutATableAreRefused) {
+  PlantSettings settings;
+  settings.wings = true;
+  settings.mount = PlantMount::BOOM;
+  EXPECT_THROW(Plant(vehicle_, table_, parameters_, settings, snapwing::testing::exampleWing()), common::Error);
+  settings.mount = PlantMount::FREE;
+  EXPECT_THROW(Plant(vehicle_, table_, parameters_, settings), common::Error);
+  common::WingTable bare = snapwing::testing::exampleWing();
+  bare.coupled_mass.clear();
+  EXPECT_THROW(Plant(vehicle_, table_, parameters_, settings, bare), common::Error);
 }
 
 }  // namespace

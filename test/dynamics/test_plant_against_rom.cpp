@@ -15,16 +15,17 @@ struct Motion {
   double peak = -INFINITY, end = 0, speed = 0;
 };
 
-Motion runPlant(const common::Vehicle& vehicle, const common::ForceTable& table, const common::VehicleParameters& p,
-                common::Mode start, const common::Pulse& pulse, double end_time) {
-  Plant plant(vehicle, table, p);
+/// @param before  motor output before the pulse
+Motion runPlant(const common::Vehicle& vehicle, Plant plant, common::Mode start, double before,
+                const common::Pulse& pulse, double end_time) {
+  const common::VehicleParameters& p = plant.parameters();
   plant.reset(start);
   const double idle = common::motorOutput(vehicle.radio, 0.0),
                high = common::motorOutput(vehicle.radio, pulse.throttle);
   // The reduced model starts at steady idle thrust in the loaded equilibrium; so does the plant after some time in the
   // hand. Both then wait for the latency.
   plant.grab();
-  plant.setMotorOutputs({idle, idle, idle, idle});
+  plant.setMotorOutputs({before, before, before, before});
   plant.advanceTo(3.0);
   plant.release();
   plant.advanceTo(3.0 + p.latency);
@@ -66,13 +67,58 @@ TEST(PlantAgainstRom, SameParametersSameMotion) {
             last = s;
             return true;
           });
-      const Motion run = runPlant(vehicle, table, p, c.start, c.pulse, last.time);
+      const double idle = common::motorOutput(vehicle.radio, 0.0);
+      const Motion run = runPlant(vehicle, Plant(vehicle, table, p), c.start, idle, c.pulse, last.time);
       // Start (held or drifting at idle), friction's step and interpolation differ: measured below 0.1 mm.
       EXPECT_NEAR(run.peak, predicted.peak_travel, 1.5e-4) << "seed " << seed << " throttle " << c.pulse.throttle;
       EXPECT_NEAR(run.end, last.travel, 5e-4);
       EXPECT_NEAR(run.speed, last.ring_speed, 0.02);
     }
   }
+}
+
+TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
+  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::ForceTable table = snapwing::testing::exampleTable();
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  ASSERT_TRUE(wing);
+  rom::Trial trial;  // free: wings are on
+  // From rest: the heavier motion would still swing when the pulse comes if the hand let go under idle thrust.
+  trial.initial_thrust_fraction = 0.0;
+  PlantSettings settings;
+  settings.mount = PlantMount::FREE;
+  const struct {
+    common::Mode start;
+    common::Pulse pulse;
+  } cases[] = {{common::Mode::FIXED_WING, {0.7, 0.21}},
+               {common::Mode::FIXED_WING, {0.45, 0.20}},
+               {common::Mode::QUADROTOR, {1.0, 0.95}},
+               {common::Mode::QUADROTOR, {0.8, 0.40}}};
+  int switched = 0, compared = 0;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    common::VehicleParameters p = drawParameters(vehicle, table, seed);
+    if (seed % 2 == 1) p.wing_friction = 0;  // its step is half as wide in the plant: seen where things creep
+    const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, p, {}, wing);
+    for (const auto& c : cases) {
+      rom::LumpedState last;
+      const rom::SnapPrediction predicted =
+          model.predict(c.start, c.pulse, vehicle.radio, trial, [&](const rom::LumpedState& s) {
+            last = s;
+            return true;
+          });
+      const Motion run = runPlant(vehicle, Plant(vehicle, table, p, settings, wing), c.start, 0.0, c.pulse, last.time);
+      const double close = p.wing_friction > 0 ? 4e-4 : 1.5e-4;
+      EXPECT_NEAR(run.peak, predicted.peak_travel, close) << "seed " << seed << " throttle " << c.pulse.throttle;
+      if (predicted.least_travel > vehicle.limits.travel_min) {  // else the plant meets its stop, which the model lacks
+        EXPECT_NEAR(run.end, last.travel, 5e-4);
+        EXPECT_NEAR(run.speed, last.ring_speed, 0.02);
+        ++compared;
+      }
+      switched += predicted.snapped;
+    }
+  }
+  EXPECT_GE(switched, 8);
+  EXPECT_GE(compared, 12);
 }
 
 }  // namespace

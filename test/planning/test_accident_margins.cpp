@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "snapwing/planning/accident_margins.h"
@@ -45,6 +46,19 @@ TEST(AccidentMargins, FollowTheForceScale) {
   const auto stiff = accidentMargins(vehicle, snapwing::testing::exampleTable());
   for (std::size_t i = 0; i < soft.size(); ++i) EXPECT_GE(stiff[i].limit, soft[i].limit) << soft[i].name;
   EXPECT_NEAR(find(stiff, "ring held inverted in Q").limit, 2.0 * find(soft, "ring held inverted in Q").limit, 1e-9);
+}
+
+TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoNothingToQ) {
+  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::ForceTable table = snapwing::testing::exampleTable();
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  const auto without = accidentMargins(vehicle, table), with = accidentMargins(vehicle, table, wing);
+  EXPECT_GT(find(with, "sudden thrust in F").limit, 1.1 * find(without, "sudden thrust in F").limit);
+  // Held upright, the wings' weight pulls the ring side down and the centre up: at the peak S g is carried too.
+  const double gain = find(with, "ring held upright in F").limit - find(without, "ring held upright in F").limit;
+  EXPECT_GT(gain, 0.5 * 9.81 * wing->coupled_mass.front());
+  EXPECT_LT(gain, 9.81 * *std::max_element(wing->coupled_mass.begin(), wing->coupled_mass.end()));
+  EXPECT_NEAR(find(with, "ring held inverted in Q").limit, find(without, "ring held inverted in Q").limit, 0.05);
 }
 
 }  // namespace

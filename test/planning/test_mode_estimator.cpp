@@ -68,6 +68,32 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
   }
 }
 
+TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_);
+  dynamics::PlantSettings flight;
+  flight.mount = dynamics::PlantMount::FREE;
+  EstimatorSettings settings;
+  settings.mount = rom::Mount::FREE;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    time_ = 0;
+    dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed), flight, wing);
+    plant.reset(Mode::FIXED_WING);
+    ModeEstimator estimator(vehicle_, table_, settings, wing);
+    estimator.reset(0.0, Mode::FIXED_WING);
+    run(plant, estimator, idle_, 0.3);
+    run(plant, estimator, common::motorOutput(vehicle_.radio, 0.7), 0.22);
+    run(plant, estimator, idle_, 0.8);
+    ASSERT_EQ(plant.mode(), Mode::QUADROTOR);
+    EXPECT_EQ(estimator.estimate().mode, Mode::QUADROTOR) << seed;
+    EXPECT_NEAR(estimator.estimate().travel, plant.state().travel(), 0.003);
+    run(plant, estimator, 1.0, 0.97);
+    run(plant, estimator, idle_, 1.0);
+    ASSERT_EQ(plant.mode(), Mode::FIXED_WING);
+    EXPECT_EQ(estimator.estimate().mode, Mode::FIXED_WING) << seed;
+    EXPECT_NEAR(estimator.estimate().travel, plant.state().travel(), 0.003);
+  }
+}
+
 TEST_F(EstimatorTest, SeesASwitchThatDidNotHappen) {
   // The motors are told full pulses, but the vehicle's own parameters make it stay: a weak pulse, seen to fail.
   dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, 3));

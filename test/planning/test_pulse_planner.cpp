@@ -51,15 +51,23 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   // The plant is other code with other integration; its vehicles are drawn from the same box.
   PlannerSettings settings;
   settings.verify_samples = 128;
-  const PulsePlanner planner(vehicle_, table_, settings);
-  for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_);
+  const PulsePlanner planner(vehicle_, table_, settings, wing);
+  const std::pair<Mode, rom::Mount> cases[] = {{Mode::FIXED_WING, rom::Mount::BOOM},  // wings act in flight only
+                                               {Mode::QUADROTOR, rom::Mount::BOOM},
+                                               {Mode::FIXED_WING, rom::Mount::FREE},
+                                               {Mode::QUADROTOR, rom::Mount::FREE}};
+  for (const auto& [start, mount] : cases) {
+    trial_.mount = mount;
+    dynamics::PlantSettings simulation;
+    if (mount == rom::Mount::FREE) simulation.mount = dynamics::PlantMount::FREE;
     const TransitionPlan plan = planner.plan(start, trial_);
     ASSERT_TRUE(plan.accepted) << plan.reason;
     const double idle = common::motorOutput(vehicle_.radio, 0.0);
     const double high = common::motorOutput(vehicle_.radio, plan.pulse.throttle);
     int switched = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-      dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed));
+      dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed), simulation, wing);
       plant.reset(start);
       plant.setMotorOutputs({high, high, high, high});
       plant.advanceTo(plan.pulse.duration);
@@ -67,7 +75,7 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
       plant.advanceTo(plan.pulse.duration + 1.5);
       switched += plant.mode() == common::otherMode(start);
     }
-    EXPECT_EQ(switched, 40) << common::modeName(start);
+    EXPECT_EQ(switched, 40) << common::modeName(start) << " " << rom::mountName(mount);
   }
 }
 

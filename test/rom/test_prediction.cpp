@@ -17,7 +17,8 @@ class Prediction : public ::testing::Test {
   Prediction()
       : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
-        model_(LumpedModel::fromVehicle(vehicle_, table_, common::realise(vehicle_, table_))) {
+        model_(LumpedModel::fromVehicle(vehicle_, table_, common::realise(vehicle_, table_), {},
+                                        common::wingTableOf(vehicle_))) {
     trial_.mount = Mount::BOOM;
   }
   SnapPrediction predict(Mode start, double throttle, double duration) const {
@@ -59,14 +60,20 @@ TEST_F(Prediction, MarginVanishesOnBothSidesOfEveryThreshold) {
     Mode start;
     Mount mount;
     double throttle, low, high;  // [s] the outcome differs between these lengths
+    bool wings = false;
   };
   for (const Case& c : {Case{Mode::FIXED_WING, Mount::BOOM, 0.58, 0.06, 0.12},
                         {Mode::FIXED_WING, Mount::BOOM, 1.0, 0.01, 0.1},
                         {Mode::FIXED_WING, Mount::BOOM, 0.85, 0.6, 0.8},
                         {Mode::FIXED_WING, Mount::FREE, 0.7, 0.02, 0.1},
                         {Mode::QUADROTOR, Mount::BOOM, 1.0, 0.4, 0.6},
-                        {Mode::QUADROTOR, Mount::FREE, 0.7, 0.9, 1.0}}) {
+                        {Mode::QUADROTOR, Mount::FREE, 0.7, 0.9, 1.0},
+                        {Mode::FIXED_WING, Mount::FREE, 0.7, 0.02, 0.15, true},
+                        {Mode::FIXED_WING, Mount::FREE, 1.0, 0.02, 0.15, true},
+                        {Mode::QUADROTOR, Mount::FREE, 1.0, 0.3, 0.7, true}}) {
     trial_.mount = c.mount;
+    trial_.wings = c.wings;
+    trial_.horizon = c.wings ? 4.0 : 2.0;  // heavier, and so slower to leave the barrier
     double low = c.low, high = c.high;
     const bool at_low = predict(c.start, c.throttle, low).snapped;
     ASSERT_NE(at_low, predict(c.start, c.throttle, high).snapped) << c.throttle;
@@ -138,7 +145,7 @@ TEST_F(Prediction, BoomOnlyMattersOnTheBoom) {
   p.boom_mass *= 2;
   p.boom_drag *= 2;
   p.boom_friction *= 2;
-  const LumpedModel heavy = LumpedModel::fromVehicle(vehicle_, table_, p);
+  const LumpedModel heavy = LumpedModel::fromVehicle(vehicle_, table_, p, {}, common::wingTableOf(vehicle_));
   EXPECT_NE(heavy.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel,
             model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel);
   trial_.mount = Mount::FREE;

@@ -90,10 +90,12 @@ struct Limits {
   double travel_max = 0;  ///< [m] mechanical stop, or end of what was computed
 };
 
-/// The designed wing, if the vehicle has one; absolute paths, empty if not.
-struct WingFiles {
-  std::string layout_file;  ///< wing.yaml of `snapwing design wing`
-  std::string table_file;   ///< its table against u [HDF5]
+/// The designed wings, if the vehicle has any; absolute paths, empty if not.
+struct VehicleWing {
+  std::string layout_file;          ///< wing.yaml of `snapwing design wing`
+  std::string table_file;           ///< its table against u [HDF5]
+  Quantity inertia_scale{1.0, 0};   ///< [1] real inertia / that of the table
+  Quantity friction_scale{1.0, 0};  ///< [1] real friction of the pins / that of the table
 };
 
 struct Vehicle {
@@ -111,7 +113,7 @@ struct Vehicle {
   Boom boom;
   Radio radio;
   Limits limits;
-  WingFiles wing;
+  VehicleWing wing;
 };
 
 /// @throws FileError, SettingError (names key, value and what is allowed)

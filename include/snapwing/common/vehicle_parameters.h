@@ -25,6 +25,8 @@ struct VehicleParameters {
   double boom_mass = 0;           ///< [kg] boom inertia / length^2, added to the ring side when on a boom
   double boom_drag = 0;           ///< [N s2/m2] added to the ring side when on a boom
   double boom_friction = 0;       ///< [N]
+  double wing_inertia = 1;        ///< [1] times the wing table's masses
+  double wing_friction = 1;       ///< [1] times the wing table's friction
 };
 
 /// Names of the independent uncertain numbers, in the order of the coordinates of realise().

@@ -6,8 +6,11 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "snapwing/common/vehicle.h"
 
 namespace snapwing::common {
 
@@ -30,7 +33,10 @@ struct WingTable {
   std::vector<double> transmission_angle;  ///< min(mu, pi - mu) [rad]
   std::vector<double> stored_energy;       ///< elastic energy in the bars of one wing [J]; empty: rigid bars store none
   // Of the blade; empty if the table was made without one.
-  std::vector<double> kinetic_mass;    ///< m in T = 1/2 m (du/dt)^2 of both wings against the ring [kg]
+  // Inertia of both wings, whose common centre is h above the ring along the thrust axis: with the ring at z,
+  // T = m z'^2 / 2 + S z' u' + K u'^2 / 2.
+  std::vector<double> kinetic_mass;    ///< K [kg]
+  std::vector<double> coupled_mass;    ///< S = m dh/du [kg]
   std::vector<double> friction_force;  ///< of both wings' pins against du/dt, positive [N]
   std::array<Fold, 4> folds;      ///< outer ends of the fan's edges after the leading one; the last runs to the anchor
   std::vector<double> axle;       ///< radius from the vehicle's axis, height in the ring's frame [m]
@@ -48,6 +54,9 @@ struct WingTable {
 void saveWingTable(const WingTable& table, const std::string& path);
 /// @throws common::FileError
 WingTable loadWingTable(const std::string& path);
+
+/// The table that a vehicle file names. @return none if the vehicle has no wings. @throws common::FileError
+std::optional<WingTable> wingTableOf(const Vehicle& vehicle);
 
 /// Calls visit(name, unit, array) for each array, in the file's order.
 void forEachColumn(WingTable* table, const std::function<void(const char*, const char*, std::vector<double>*)>& visit);

@@ -54,6 +54,8 @@ class WingBlade {
   /// m in T = 1/2 m (du/dt)^2 of one wing against the ring. [kg]
   /// @param at  the pose; before, after  poses at travels that lie `du` [m] apart around it
   double kineticMass(const WingBladePose& at, const WingBladePose& before, const WingBladePose& after, double du) const;
+  /// First moment of one wing along the thrust axis, mass times height of its centre above the ring. [kg m]
+  double massMoment(const WingBladePose& pose) const;
   /// Force that friction at the four pins adds against the housing's motion [N], positive.
   /// @param theta  [rad]; @param slope  d theta / d u [rad/m]; @return none where the loop does not close
   std::optional<double> frictionForce(double theta, double slope, WingSide side) const;

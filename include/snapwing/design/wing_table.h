@@ -18,7 +18,7 @@ using common::WingTable;
 /// @return none if the loop does not close somewhere on the way
 std::optional<WingTable> tabulate(const FourBar& bar, const ArmMotion& motion, double largest, int points);
 
-/// Adds the blade's columns: where its edges are, the inertia that it adds to u, and the force of friction at the pins.
+/// Adds the blade's columns: where its edges are, the inertia of both wings, and the force of friction at the pins.
 /// @throws common::Error if the loop of the blade's linkage opens within the table
 void addBlade(const WingBlade& blade, const ArmMotion& motion, WingTable* table);
 

@@ -4,14 +4,17 @@
 /// the experimenter's hand; explicit fourth-order Runge-Kutta with a small fixed step.
 ///   m_r z_r'' = T - D_r - friction + H - F(u) - c u' - m_r g      (H: hand, only when it holds)
 ///   m_c z_c'' =     - D_c             + F(u) + c u' - m_c g       u = z_r - z_c
+/// Wings that are on (dynamics/plant_forces.cpp) add their inertia to both equations, and friction at their pins.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/mode.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/common/vehicle_parameters.h"
+#include "snapwing/common/wing_table.h"
 
 namespace snapwing::dynamics {
 
@@ -19,6 +22,9 @@ enum class PlantMount { FREE, BOOM, HELD };
 
 struct PlantSettings {
   PlantMount mount = PlantMount::BOOM;
+  /// Wings on or off; unset = on if there is a table of them, but off on a boom, where the centripetal force that turns
+  /// them is not modelled.
+  std::optional<bool> wings;
   double gravity = 0;             ///< [m/s2] against the thrust axis; 0 for a boom that turns level
   double step = 1e-4;             ///< [s] largest step, (0, 1e-3]
   double stop_restitution = 0.3;  ///< [1] relative speed kept when u hits a mechanical stop, [0, 1]
@@ -43,9 +49,10 @@ struct PlantState {
 class Plant {
  public:
   /// @param table  of one arm; parameters.force_scale and arm_count are applied here
-  /// @throws common::Error for bad settings, parameters or table
+  /// @param wing  with the blade's columns; none: the vehicle has no wings
+  /// @throws common::Error for bad settings, parameters or tables
   Plant(const common::Vehicle& vehicle, const common::ForceTable& table, const common::VehicleParameters& parameters,
-        const PlantSettings& settings = {});
+        const PlantSettings& settings = {}, const std::optional<common::WingTable>& wing = {});
 
   /// Puts the vehicle at rest in an equilibrium, motors off, hand off, the clock as it is. @throws common::Error for
   /// UNKNOWN or a table that is not bistable
@@ -78,6 +85,13 @@ class Plant {
   struct Rates {
     double ring = 0, centre = 0;  ///< accelerations [m/s2]
   };
+  /// Inertia of the wings at one travel and its slopes: K, S of common/wing_table.h. [kg, kg/m]
+  struct Wings {
+    double kinetic = 0, kinetic_slope = 0, coupled = 0, coupled_slope = 0, friction = 0;
+  };
+  Wings wingsAt(double travel) const;
+  /// Inertia against the travel with the common momentum as it is, or with the ring fixed. [kg]
+  double travelMass(double travel) const;
   double armForce(double travel) const;
   double armEnergy(double travel) const;
   double handForce(double ring_speed, double travel, double thrust) const;
@@ -93,6 +107,7 @@ class Plant {
   PlantSettings settings_;
   common::ForceTable table_;
   common::CurveFeatures features_;
+  std::optional<common::WingTable> wing_;  ///< only if on
   double travel_min_, travel_max_;
   double ring_mass_, ring_drag_, friction_;
   std::vector<double> outputs_;

@@ -2,7 +2,7 @@
 /// Estimates travel and mode from what a vehicle really has: motor outputs read back from the flight controller and the
 /// accelerometer at the centre. Particle filter: each particle is a vehicle drawn from the uncertainty box with its own
 /// u, u', speed and thrust, moved by the lumped model and weighted by the specific force that it predicts,
-///   a = (F(u) + c u' - D_c) / m_c   (a Gaussian around the measurement).
+///   a = (F(u) + c u' - D_c) / m_c   (a Gaussian around the measurement; with wings also what they do to the centre).
 
 #include <cstdint>
 #include <memory>
@@ -31,8 +31,9 @@ struct EstimatorSettings {
   double step = 2e-3;           ///< [s] of the particles' motion
   double sure = 0.95;           ///< [1] probability from which a mode counts as known
   rom::Mount mount = rom::Mount::BOOM;
-  double gravity = 0;     ///< [m/s2] against the thrust axis
-  void validate() const;  ///< @throws common::Error naming the member
+  double gravity = 0;         ///< [m/s2] against the thrust axis
+  std::optional<bool> wings;  ///< on or off, as in rom::Trial
+  void validate() const;      ///< @throws common::Error naming the member
 };
 
 struct ModeEstimate {
@@ -47,9 +48,10 @@ struct ModeEstimate {
 
 class ModeEstimator {
  public:
+  /// @param wing  the vehicle's wings, if any
   /// @throws common::Error for bad settings or a table that is not bistable
-  ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table,
-                const EstimatorSettings& settings = {});
+  ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table, const EstimatorSettings& settings = {},
+                const std::optional<common::WingTable>& wing = {});
   ~ModeEstimator();
   ModeEstimator(ModeEstimator&&) noexcept;
 

@@ -13,6 +13,7 @@
 #include "snapwing/common/vehicle_parameters.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/rom/trial.h"
+#include "snapwing/rom/vehicle_curves.h"
 
 namespace snapwing::planning {
 
@@ -90,8 +91,10 @@ struct OutcomeMap {
 /// Immutable; plan() and map() may run in several threads.
 class PulsePlanner {
  public:
-  /// @throws common::Error for bad settings or table
-  PulsePlanner(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings = {});
+  /// @param wing  the vehicle's wings, if any
+  /// @throws common::Error for bad settings or tables
+  PulsePlanner(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings = {},
+               const std::optional<common::WingTable>& wing = {});
 
   /// @param start   mode that the vehicle is in
   /// @param target  mode wanted; equal to start, or a table that is not bistable: refused with a reason
@@ -109,6 +112,7 @@ class PulsePlanner {
   common::Vehicle vehicle_;
   common::ForceTable table_;
   PlannerSettings settings_;
+  rom::VehicleCurves curves_;
 };
 
 /// Names of the planner's coordinates: common::uncertainNames() and the pulse's length.

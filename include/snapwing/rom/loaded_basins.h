@@ -1,34 +1,72 @@
 #pragma once
-/// Equilibria of the potential under a constant load L on the relative motion: minima and barrier of E(u) - L u.
+/// Equilibria of the potential under a load on the relative motion: minima and barrier of
+///   V(u) = E(u) - L u + a H(u)
+/// L is the load at constant force; a H(u), H' = S(u), is the weight that the wings feel. Without wings H = 0.
+
+#include <cmath>
+#include <vector>
 
 #include "snapwing/common/mode.h"
 #include "snapwing/rom/potential.h"
+#include "snapwing/rom/wing_inertia.h"
 
 namespace snapwing::rom {
 
-/// A bistable potential's basins under load. Keeps a reference: the potential must outlive it.
+struct RelativeLoad {
+  double force = 0;  ///< L [N], pushes u up
+  double felt = 0;   ///< a [m/s2], specific force along the thrust axis that the wings lag behind: pushes by -a S(u)
+};
+
+/// The barrier between the basins, which lies where the force that balances L falls from its peak to its valley.
+struct LoadedBarrier {
+  bool exists = false;  ///< false: the load leaves only one basin
+  double travel = 0;    ///< [m]; where the barrier vanished if it does not exist, which is peak or valley
+  double peak = 0;      ///< [m]
+  double valley = 0;    ///< [m]
+  double excess = 0;    ///< what the load has left over along the falling branch; 0 if the barrier exists [J]
+  /// Which side u is on; left of the peak always F, right of the valley always Q.
+  common::Mode sideOf(double u) const;
+};
+
+/// A bistable potential's basins under load. Keeps references: potential and wing must outlive it.
 class LoadedBasins {
  public:
+  /// @param wing  nullptr: none
   /// @throws common::Error if the potential is not bistable
-  explicit LoadedBasins(const Potential& potential);
+  explicit LoadedBasins(const Potential& potential, const WingInertia* wing = nullptr);
 
-  /// Stable equilibrium of `mode` under the load [N]. @return false if the load leaves none (above the peak force for
-  /// F, below the valley force for Q)
-  bool equilibrium(common::Mode mode, double load, double* travel) const;
+  /// Stable equilibrium of `mode` under the load. @return false if the load leaves none
+  bool equilibrium(common::Mode mode, const RelativeLoad& load, double* travel) const;
 
-  /// Barrier between the basins. @return false if the load leaves only one basin
-  bool barrier(double load, double* travel) const;
+  /// L at which the basin of `mode` vanishes, at a given a. [N]
+  double limit(common::Mode mode, double felt) const;
 
-  /// E(u) - L u [J]
-  double loadedEnergy(double travel, double load) const { return potential_.energy(travel) - load * travel; }
+  /// @param guess  where the barrier may be [m]; a bad one costs time only
+  LoadedBarrier barrierUnder(const RelativeLoad& load, double guess = NAN) const;
+
+  /// V(u) [J]
+  double loadedEnergy(double travel, const RelativeLoad& load) const;
 
   /// Energy that separates (travel, kinetic energy) from the barrier [J]: negative = above it. Infinite if the load
   /// leaves only the basin of `mode`; minus infinity if it leaves only the other.
-  double clearance(common::Mode mode, double travel, double kinetic, double load) const;
+  double clearance(common::Mode mode, double travel, double kinetic, const RelativeLoad& load) const;
 
  private:
+  struct Branch {
+    double peak_travel, peak_force, valley_travel, valley_force;
+  };
+  struct Point {
+    double travel, force, coupled_mass;
+  };
+  PotentialSample sample(double travel, double felt) const;
+  double solveForce(const RelativeLoad& load, double low, double high, double guess) const;
+  Branch branch(double felt) const;
+  double extremum(const std::vector<Point>& points, double felt, bool largest) const;
+
   const Potential& potential_;
+  const WingInertia* wing_;
   const Equilibria& equilibria_;
+  std::vector<Point> rising_, falling_;  ///< between first equilibrium and barrier, barrier and second; with wings only
 };
 
 }  // namespace snapwing::rom

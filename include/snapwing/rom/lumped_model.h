@@ -3,10 +3,12 @@
 /// centre m_c, u = z_ring - z_centre.
 ///   m_r z_r'' = T - D_r(z_r') - friction - F(u) - c u' - m_r g
 ///   m_c z_c'' =     - D_c(z_c')          + F(u) + c u' - m_c g
-/// D = k |v| v. Thrust follows q s^2 + (1-q) s of the motor output s by a first-order lag (own constants up and down).
-/// Time stepping: implicit midpoint with the discrete gradient (E(u1) - E(u0)) / (u1 - u0) for the elastic force, so
-/// that without loads and losses the energy is kept to rounding [Gonzalez 1996]. Second order; steps end where the
-/// command changes.
+/// With wings (rom/wing_inertia.h) the travel has the inertia m(u) = m_c + K - (m_c - S)^2 / (m_r + m_c) and
+///   m(u) u'' + m'(u) u'^2 / 2 = L(u) - F(u) - c u' - friction of the pins
+/// docs/reduced_model.md derives it. D = k |v| v. Thrust follows q s^2 + (1-q) s of the motor output s by a first-order
+/// lag (own constants up and down). Time stepping: implicit midpoint with the discrete gradient (E(u1) - E(u0)) / (u1 -
+/// u0) for the elastic force, so that without loads and losses the energy is kept to rounding [Gonzalez 1996]; the
+/// wings' inertia is treated alike. Second order; steps end where the command changes.
 
 #include <functional>
 #include <memory>
@@ -14,8 +16,10 @@
 
 #include "snapwing/common/pulse.h"
 #include "snapwing/common/vehicle_parameters.h"
+#include "snapwing/rom/loaded_basins.h"
 #include "snapwing/rom/potential.h"
 #include "snapwing/rom/trial.h"
+#include "snapwing/rom/wing_inertia.h"
 
 namespace snapwing::rom {
 
@@ -53,13 +57,16 @@ using LumpedObserver = std::function<bool(const LumpedState&)>;
 class LumpedModel {
  public:
   /// @param idle_fraction  steady thrust at motor idle / full thrust [0, 1)
+  /// @param wing  scales applied; nullptr: none
   /// @throws common::Error for bad parameters (masses and time constants > 0, the rest >= 0, all finite)
   LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,
-              double idle_fraction, const LumpedSettings& settings = {});
+              double idle_fraction, const LumpedSettings& settings = {},
+              std::shared_ptr<const WingInertia> wing = nullptr);
 
-  /// The usual way: spline and idle thrust from the vehicle and its table. @throws common::Error
+  /// The usual way: spline, wings and idle thrust from the vehicle and its tables. @throws common::Error
   static LumpedModel fromVehicle(const common::Vehicle& vehicle, const common::ForceTable& table,
-                                 const common::VehicleParameters& parameters, const LumpedSettings& settings = {});
+                                 const common::VehicleParameters& parameters, const LumpedSettings& settings = {},
+                                 const std::optional<common::WingTable>& wing = {});
 
   /// Steady thrust share of a stick throttle for these parameters. @param throttle [0, 1]
   double thrustFraction(const common::Radio& radio, double throttle) const;
@@ -83,14 +90,21 @@ class LumpedModel {
   /// unloaded equilibrium)
   LumpedState startState(common::Mode mode, const Trial& trial, bool* held = nullptr) const;
 
-  /// Load on the relative motion, mu ((T - D_r - friction)/m_r + D_c/m_c) (free and boom), [N]: what the force of the
-  /// arms must balance. HELD: m_c g + D_c.
-  double relativeLoad(const LumpedState& state, const Trial& trial) const;
-  /// mu = m_r m_c / (m_r + m_c), or m_c if held [kg].
-  double relativeMass(Mount mount) const;
-  /// Kinetic and elastic energy of the relative motion, mu u'^2/2 + E(u) [J].
-  double relativeEnergy(const LumpedState& state, Mount mount) const;
+  /// Load on the relative motion [N, m/s2]. Free and boom: mu ((T - D_r - friction)/m_r + D_c/m_c), and with wings
+  /// the specific force of the whole vehicle. HELD: m_c g + D_c, and g.
+  RelativeLoad relativeLoad(const LumpedState& state, const Trial& trial) const;
+  /// Inertia of the relative motion at u [kg]: mu = m_r m_c / (m_r + m_c), m_c if held, and what the wings add.
+  double relativeMass(const Trial& trial, double travel) const;
+  /// Kinetic and elastic energy of the relative motion, m(u) u'^2/2 + E(u) [J].
+  double relativeEnergy(const LumpedState& state, const Trial& trial) const;
+  /// Momentum along the axis / mass of all that moves [m/s]; the ring's speed if held.
+  double commonSpeed(const LumpedState& state, const Trial& trial) const;
+  /// What an accelerometer on the centre reads along the thrust axis, z_c'' + g [m/s2].
+  double centreSpecificForce(const LumpedState& state, const Trial& trial) const;
 
+  /// The wings that act in this trial; nullptr: none.
+  /// @throws common::Error if the trial asks for wings and the model has none
+  const WingInertia* wingsOf(const Trial& trial) const;
   const Potential& potential() const { return *potential_; }
   const common::VehicleParameters& parameters() const { return parameters_; }
   double idleFraction() const { return idle_fraction_; }
@@ -101,6 +115,20 @@ class LumpedModel {
   common::VehicleParameters parameters_;
   double idle_fraction_;
   LumpedSettings settings_;
+  std::shared_ptr<const WingInertia> wing_;
+
+  double ringMass(const Trial& trial) const {
+    return parameters_.ring_mass + (trial.mount == Mount::BOOM ? parameters_.boom_mass : 0.0);
+  }
+  /// Drag and friction on the ring side, and their slope in its speed.
+  struct RingResistance {
+    double force, slope;
+  };
+  RingResistance ringResistance(double ring_speed, const Trial& trial) const;
+  /// Both take what step() has begun: time and thrust at the step's end.
+  void plainStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial, LumpedState* next) const;
+  void wingedStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial, const WingInertia& wing,
+                  LumpedState* next) const;
 };
 
 }  // namespace snapwing::rom

@@ -18,6 +18,9 @@ enum class Mount {
 /// "free", "boom" or "held". @throws common::Error for another word
 Mount mountFromName(const std::string& text);
 std::string mountName(Mount mount);
+/// "on", "off" or "auto" (none). @throws common::Error for another word
+std::optional<bool> wingsFromName(const std::string& text);
+std::string wingsName(const std::optional<bool>& wings);
 
 struct Trial {
   Mount mount = Mount::FREE;
@@ -27,6 +30,9 @@ struct Trial {
   std::optional<double> initial_thrust_fraction;
   /// [0, 1] thrust that the command returns to after the pulse; unset = motors idle (throttle low).
   std::optional<double> final_thrust_fraction;
+  /// Wings on or taken off; unset = on if the vehicle has them, but off on a boom, as in the paper's tests: there the
+  /// centripetal force turns them, which is not modelled.
+  std::optional<bool> wings;
   double horizon = 2.0;  ///< [s] longest time watched after the pulse has ended at the motors
 
   /// @throws common::Error naming the member

@@ -14,7 +14,7 @@ SnapPrediction toMessage(const rom::SnapPrediction& prediction);
 /// The header is left empty.
 TransitionPlan toMessage(const planning::TransitionPlan& plan);
 
-/// Keys `mount` (free, boom, held), `gravity` [m/s2] and `horizon` [s]. @throws common::Error
+/// Keys `mount` (free, boom, held), `wings` (auto, on, off), `gravity` [m/s2] and `horizon` [s]. @throws common::Error
 rom::Trial readTrial(Params& params);
 
 }  // namespace snapwing::nodes

@@ -35,7 +35,8 @@ class ReducedModelNode {
     rom::LumpedSettings settings;
     settings.step = params.number("step", {1e-5, 0.01}, "s");
     const common::ForceTable table = common::loadForceTable(vehicle_.arm.table_file);
-    return rom::LumpedModel::fromVehicle(vehicle_, table, common::realise(vehicle_, table), settings);
+    return rom::LumpedModel::fromVehicle(vehicle_, table, common::realise(vehicle_, table), settings,
+                                         common::wingTableOf(vehicle_));
   }
 
   bool predict(PredictSnap::Request& request, PredictSnap::Response& response) {

@@ -18,6 +18,7 @@
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/dynamics/plant.h"
+#include "snapwing/rom/trial.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/motor_receiver.h"
 #include "snapwing/ros/node_main.h"
@@ -53,6 +54,7 @@ SimulationSettings readSettings(Params& params) {
   s.nominal = params.boolean("nominal");
   s.initial_mode = common::modeFromName(params.choice("initial_mode", {"F", "Q"}));
   s.plant.mount = plantMount(params.choice("mount", {"free", "boom", "held"}));
+  s.plant.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.plant.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   s.plant.step = params.number("step", {1e-6, 1e-3}, "s");
   s.motor_port = static_cast<std::uint16_t>(params.integer("motor_port", 1, 65535));
@@ -97,7 +99,7 @@ class SimulatedVehicleNode {
     const common::VehicleParameters parameters = settings_.nominal
                                                      ? common::realise(vehicle_, table)
                                                      : dynamics::drawParameters(vehicle_, table, settings_.seed);
-    return dynamics::Plant(vehicle_, table, parameters, settings_.plant);
+    return dynamics::Plant(vehicle_, table, parameters, settings_.plant, common::wingTableOf(vehicle_));
   }
 
   bool hold(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {

@@ -78,7 +78,8 @@ class TransitionPlannerNode {
       : vehicle_(params.vehicle()),
         trial_(readTrial(params)),
         settings_(readSwitch(params)),
-        planner_(vehicle_, common::loadForceTable(vehicle_.arm.table_file), readPlanner(params)),
+        planner_(vehicle_, common::loadForceTable(vehicle_.arm.table_file), readPlanner(params),
+                 common::wingTableOf(vehicle_)),
         server_(
             handles.relative, topics::SWITCH_MODE, [this](const SwitchModeGoalConstPtr& goal) { onGoal(*goal); },
             false) {

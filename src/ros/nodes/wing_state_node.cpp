@@ -56,6 +56,7 @@ WingStateSettings readSettings(Params& params) {
   s.estimator.step = params.number("step", {1e-4, 0.01}, "s");
   s.estimator.sure = params.number("sure", {0.5, 0.9999}, "1");
   s.estimator.mount = rom::mountFromName(params.choice("mount", {"free", "boom", "held"}));
+  s.estimator.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.estimator.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   const std::string initial = params.choice("initial_mode", {"F", "Q", "unknown"});
   s.initial_mode = initial == "unknown" ? common::Mode::UNKNOWN : common::modeFromName(initial);
@@ -89,7 +90,7 @@ class WingStateNode {
       : vehicle_(params.vehicle()),
         settings_(readSettings(params)),
         table_(common::loadForceTable(vehicle_.arm.table_file)),
-        estimator_(vehicle_, table_, settings_.estimator),
+        estimator_(vehicle_, table_, settings_.estimator, common::wingTableOf(vehicle_)),
         picture_(vehicle_, table_, settings_.picture) {
     params.finish();
     useWing();

@@ -1,0 +1,31 @@
+#pragma once
+/// The computed curves of a vehicle, arms and wings, from which lumped models of many realisations are made at little
+/// cost: they share the coefficients and differ in scales.
+
+#include <optional>
+
+#include "snapwing/common/vehicle.h"
+#include "snapwing/rom/energy_spline.h"
+#include "snapwing/rom/lumped_model.h"
+#include "snapwing/rom/wing_inertia.h"
+
+namespace snapwing::rom {
+
+class VehicleCurves {
+ public:
+  /// @param arm   of one arm; @param wing  none: no wings
+  /// @throws common::Error for bad tables
+  explicit VehicleCurves(const common::ForceTable& arm, const std::optional<common::WingTable>& wing = {});
+
+  /// @param radio  gives the motors' idle thrust. @throws common::Error for bad parameters or settings
+  LumpedModel model(const common::Radio& radio, const common::VehicleParameters& parameters,
+                    const LumpedSettings& settings = {}) const;
+
+  const EnergySpline& spline() const { return spline_; }
+
+ private:
+  EnergySpline spline_;
+  std::optional<WingInertia> wing_;
+};
+
+}  // namespace snapwing::rom

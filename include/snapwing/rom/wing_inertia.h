@@ -1,0 +1,44 @@
+#pragma once
+/// What the folding wings do to the motion along the thrust axis: they move with the travel u, and their inertia is
+/// large where the linkage turns fast. With the ring at z and both wings' mass counted in the ring's,
+///   T = m_r z'^2 / 2 + m_c (z' - u')^2 / 2 + S(u) z' u' + K(u) u'^2 / 2
+/// K and S interpolate the wing table monotonically [Fritsch and Carlson 1980]: C1, and nowhere beyond the table's
+/// own values; constant outside the table. H is the exact integral of S.
+
+#include <memory>
+#include <vector>
+
+#include "snapwing/common/wing_table.h"
+
+namespace snapwing::rom {
+
+struct WingSample {
+  double kinetic_mass = 0;   ///< K [kg]
+  double kinetic_slope = 0;  ///< dK/du [kg/m]
+  double coupled_mass = 0;   ///< S [kg]
+  double coupled_slope = 0;  ///< dS/du [kg/m]
+  double mass_moment = 0;    ///< H = integral of S from the table's first travel [kg m]
+  double friction = 0;       ///< of all pins against u' [N], >= 0
+};
+
+/// Immutable, cheap to copy: copies share the coefficients.
+class WingInertia {
+ public:
+  /// @param table  with the blade's columns, at least two rows
+  /// @param inertia_scale   real masses / the table's, > 0; @param friction_scale  likewise, >= 0
+  /// @throws common::Error if the columns are missing, not finite or negative (K, friction), or a scale is out of range
+  explicit WingInertia(const common::WingTable& table, double inertia_scale = 1, double friction_scale = 1);
+
+  /// The same wings with other scales, at no cost. @throws common::Error
+  WingInertia scaled(double inertia_scale, double friction_scale) const;
+
+  /// @param u  travel [m], finite
+  WingSample at(double u) const;
+
+ private:
+  struct Curve;
+  std::shared_ptr<const Curve> curve_;
+  double inertia_scale_ = 1, friction_scale_ = 1;
+};
+
+}  // namespace snapwing::rom

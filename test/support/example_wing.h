@@ -1,0 +1,36 @@
+#pragma once
+/// Wings with the inertia of a smooth hump, as large as the shipped ones': for tests of the dynamics alone.
+
+#include "snapwing/common/wing_table.h"
+
+namespace snapwing::testing {
+
+/// A hump between 1 and 23 mm, with two continuous derivatives.
+inline double exampleHump(double u) {
+  const double x = (u - 0.012) / 0.011, inside = 1 - x * x;
+  return inside > 0 ? inside * inside * inside : 0.0;
+}
+
+/// K and S at u [m]; S^2 stays below the wings' mass times K, as it must.
+inline double exampleWingKinetic(double u) { return 0.03 + 0.6 * exampleHump(u); }
+inline double exampleWingCoupled(double u) { return 0.10 * exampleHump(u); }
+
+/// @param mass  times the inertia above; @param friction  at the pins [N]
+inline common::WingTable exampleWing(double mass = 1.0, double friction = 0.0, int points = 321) {
+  common::WingTable t;
+  for (int i = 0; i < points; ++i) {
+    const double u = 0.08 * i / (points - 1);
+    t.travel.push_back(u);
+    t.kinetic_mass.push_back(mass * exampleWingKinetic(u));
+    t.coupled_mass.push_back(mass * exampleWingCoupled(u));
+    t.friction_force.push_back(friction);
+    for (auto* column :
+         {&t.arm_rotation, &t.wing_angle, &t.rocker_angle, &t.joint1_x, &t.joint1_y, &t.joint2_x, &t.joint2_y, &t.tip_x,
+          &t.tip_y, &t.transmission_ratio, &t.angle_per_travel, &t.transmission_angle}) {
+      column->push_back(u);
+    }
+  }
+  return t;
+}
+
+}  // namespace snapwing::testing
