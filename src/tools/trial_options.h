@@ -14,7 +14,7 @@ struct TrialOptions {
   double gravity = 0;
   double initial_speed = 0;
   std::optional<double> initial_thrust, final_thrust;
-  double horizon = 2.0;
+  double horizon = rom::Trial().horizon;
 
   void addTo(CLI::App& command) {
     command.add_option("--mount", mount, "free (flight), boom (the paper's stand) or held (ring stands still)")

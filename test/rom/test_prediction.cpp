@@ -73,7 +73,6 @@ TEST_F(Prediction, MarginVanishesOnBothSidesOfEveryThreshold) {
                         {Mode::QUADROTOR, Mount::FREE, 1.0, 0.3, 0.7, true}}) {
     trial_.mount = c.mount;
     trial_.wings = c.wings;
-    trial_.horizon = c.wings ? 4.0 : 2.0;  // heavier, and so slower to leave the barrier
     double low = c.low, high = c.high;
     const bool at_low = predict(c.start, c.throttle, low).snapped;
     ASSERT_NE(at_low, predict(c.start, c.throttle, high).snapped) << c.throttle;

@@ -33,7 +33,8 @@ struct Trial {
   /// Wings on or taken off; unset = on if the vehicle has them, but off on a boom, as in the paper's tests: there the
   /// centripetal force turns them, which is not modelled.
   std::optional<bool> wings;
-  double horizon = 2.0;  ///< [s] longest time watched after the pulse has ended at the motors
+  /// [s] longest time watched after the pulse has ended at the motors: wings, lightly damped, swing in F for 2 to 3 s
+  double horizon = 4.0;
 
   /// @throws common::Error naming the member
   void validate() const;
