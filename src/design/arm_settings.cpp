@@ -29,6 +29,30 @@ std::vector<double> someNumbers(SettingsReader& map, const std::string& key, con
   return values;
 }
 
+std::array<double, 2> interval(SettingsReader& map, const std::string& key, const std::array<double, 2>& fallback,
+                               const std::string& unit) {
+  if (!map.has(key)) return fallback;
+  const std::vector<double> ends = map.numbers(key, 2, {-1e6, 1e6}, unit);
+  if (ends[1] < ends[0]) map.fail(key, "ends out of order", "[low, high] " + unit);
+  return {ends[0], ends[1]};
+}
+
+bool turns(const ArmDesignSettings& s) {
+  return !s.user_scene || std::any_of(s.scene.monitors.begin(), s.scene.monitors.end(),
+                                      [](const statics::SceneMonitor& m) { return m.radius > 0; });
+}
+
+void readRotationBound(SettingsReader& bounds, ArmDesignSettings& s) {
+  if (!bounds.has("rotation")) return;
+  if (!turns(s)) bounds.fail("rotation", "given", "a scene with a monitor of a rotation (one with a radius)");
+  s.rotation_bound = interval(bounds, "rotation", {}, "rad");
+  if (s.rotation_bound[1] - s.rotation_bound[0] < 1e-3) {
+    bounds.fail("rotation", "an interval of less than 0.001 rad", "[low, high] rad further apart");
+  }
+  s.rotation_travels = travels(bounds, "rotation_travels", s.travel_max);
+  if (s.rotation_travels.empty()) bounds.fail("rotation_travels", "[]", "at least one travel [m]");
+}
+
 void readDensity(SettingsReader& root, ArmDesignSettings& s) {
   SettingsReader density = root.map("density");
   s.filter_radius = density.number("filter_radius", {0, 0.02}, "m");
@@ -53,7 +77,15 @@ void readTargets(SettingsReader& root, ArmDesignSettings& s) {
   const double largest = s.travel_max;
   SettingsReader objective = root.map("objective");
   s.peak_travel = objective.number("peak_travel", {1e-6, largest}, "m");
-  s.valley_travel = objective.number("valley_travel", {s.peak_travel + 1e-6, largest}, "m");
+  if (objective.has("valley_range")) {
+    const std::vector<double> ends = travels(objective, "valley_range", largest);
+    if (ends.size() != 2 || ends[0] <= s.peak_travel)
+      objective.fail("valley_range", "this", "[from, to] > peak_travel");
+    s.valley_range = {ends[0], ends[1]};
+  } else {
+    const double travel = objective.number("valley_travel", {s.peak_travel + 1e-6, largest}, "m");
+    s.valley_range = {travel, travel};
+  }
   s.compliance_weight = objective.number("compliance_weight", {0, 1e6}, "N/J");
   s.compliance_force = objective.number("compliance_force", {0, 100}, "N");
   objective.finish();
@@ -64,6 +96,7 @@ void readTargets(SettingsReader& root, ArmDesignSettings& s) {
   s.valley_travels = travels(bounds, "valley_travels", largest);
   s.slope_bound = bounds.number("falling_slope", {1e-3, 1e6}, "N/m per arm");
   s.slope_travels = travels(bounds, "slope_travels", largest);
+  readRotationBound(bounds, s);
   bounds.finish();
 }
 
@@ -78,14 +111,6 @@ void readLimits(SettingsReader& root, ArmDesignSettings& s) {
     s.strain_power = limits.numberOr("strain_power", s.strain_power, {1, 50}, "1");
   }
   limits.finish();
-}
-
-std::array<double, 2> interval(SettingsReader& map, const std::string& key, const std::array<double, 2>& fallback,
-                               const std::string& unit) {
-  if (!map.has(key)) return fallback;
-  const std::vector<double> ends = map.numbers(key, 2, {-1e6, 1e6}, unit);
-  if (ends[1] < ends[0]) map.fail(key, "ends out of order", "[low, high] " + unit);
-  return {ends[0], ends[1]};
 }
 
 void readWishes(SettingsReader& root, ArmDesignSettings& s) {

@@ -23,6 +23,14 @@ statics::PathSettings pathSettings(double tolerance) {
 
 }  // namespace
 
+void ArmTopology::sense(const Variant& variant, State& state, const statics::Cholesky* cholesky,
+                        const statics::Evaluation& at) const {
+  const Mechanism& mechanism = variant.mechanism;
+  if (state.wants_strain) state.strain = mechanism.strain(settings_.strain_power, cholesky, at);
+  if (state.wants_rotation) state.rotation = mechanism.rotation(cholesky, at);
+  if (state.wants_potential) state.potential = mechanism.potential(cholesky, at);
+}
+
 bool ArmTopology::solveState(Variant& variant, State& state, bool with_derivatives, std::string& why) const {
   statics::Evaluation at;
   const statics::NewtonResult solved = variant.newton.solve(Eigen::VectorXd::Constant(1, state.travel), state.z, at);
@@ -36,7 +44,7 @@ bool ArmTopology::solveState(Variant& variant, State& state, bool with_derivativ
   const Mechanism& mechanism = variant.mechanism;
   state.force = mechanism.force(at);
   if (!with_derivatives) {
-    if (state.wants_strain) state.strain = mechanism.strain(settings_.strain_power, nullptr, at);
+    sense(variant, state, nullptr, at);
     return true;
   }
   statics::Cholesky& cholesky = variant.newton.cholesky();
@@ -49,7 +57,7 @@ bool ArmTopology::solveState(Variant& variant, State& state, bool with_derivativ
   state.slope = -cholesky.solve(free_part);
   state.stiffness = mechanism.multiplicity() * (control_part(0) + free_part.dot(state.slope));
   state.by_density = mechanism.forceByDensity(cholesky, at);
-  if (state.wants_strain) state.strain = mechanism.strain(settings_.strain_power, &cholesky, at);
+  sense(variant, state, &cholesky, at);
   return true;
 }
 

@@ -12,12 +12,13 @@ namespace snapwing::design {
 /// Equilibrium at one travel with what the optimiser needs of it.
 struct ArmTopology::State {
   double travel = 0;
-  bool wants_strain = false;
+  bool wants_strain = false, wants_rotation = false, wants_potential = false;
   Eigen::VectorXd z;  ///< warm start; empty before the first trace
   double force = 0, stiffness = 0;
   Eigen::VectorXd slope;       ///< dz/du
   Eigen::VectorXd by_density;  ///< dR/drho
   Mechanism::Strain strain;
+  Mechanism::Sensed rotation, potential;
 };
 
 /// One threshold of the projection with a mechanism of its own, so that variants may be solved side by side.

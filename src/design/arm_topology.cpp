@@ -16,19 +16,34 @@ constexpr int RETRACE_EVERY = 20;  ///< iterations: shows whether warm starts st
 
 }  // namespace
 
-/// a R(first) + b R(second) <= 1, or the strain at `first` over its limit.
+/// a q(first) + b q(second) <= limit for a quantity q of the states.
 struct ArmTopology::Bound {
+  enum class Quantity { FORCE, STRAIN, ROTATION };
+
   int first = 0, second = -1;
   double factor_first = 0, factor_second = 0;
-  bool strain = false;
+  Quantity quantity = Quantity::FORCE;
   std::string name;
+  double limit = 1;
+
+  double value(const State& s) const {
+    if (quantity == Quantity::STRAIN) return s.strain.value;
+    if (quantity == Quantity::ROTATION) return s.rotation.value;
+    return s.force;
+  }
+  const Eigen::VectorXd& derivative(const State& s) const {
+    if (quantity == Quantity::STRAIN) return s.strain.by_density;
+    if (quantity == Quantity::ROTATION) return s.rotation.by_density;
+    return s.by_density;
+  }
 };
 
 ArmTopology::ArmTopology(const ArmDesignSettings& settings, int stage, double newton_tolerance)
     : settings_(settings), stage_(stage), newton_tolerance_(newton_tolerance) {
   const ArmDesignSettings& s = settings_;
-  travels_ = {s.peak_travel, s.valley_travel};
-  for (const auto* list : {&s.peak_travels, &s.valley_travels, &s.slope_travels, &s.strain_travels}) {
+  travels_ = {s.peak_travel, s.valley_range[0], s.valley_range[1]};
+  for (const auto* list :
+       {&s.peak_travels, &s.valley_travels, &s.slope_travels, &s.strain_travels, &s.rotation_travels}) {
     travels_.insert(travels_.end(), list->begin(), list->end());
   }
   std::sort(travels_.begin(), travels_.end());
@@ -55,11 +70,16 @@ void ArmTopology::makeVariants() {
     variants_.push_back(std::make_unique<Variant>(scene, settings_.body, threads, newton_tolerance_));
     Variant& variant = *variants_.back();
     for (const double travel : travels_) {
-      State state;
-      state.travel = travel;
-      for (const double u : settings_.strain_travels) state.wants_strain |= std::abs(u - travel) < 2e-9;
-      variant.states.push_back(state);
+      variant.states.emplace_back();
+      variant.states.back().travel = travel;
     }
+    for (const double u : settings_.strain_travels) variant.states[indexOf(u)].wants_strain = true;
+    for (const double u : settings_.rotation_travels) variant.states[indexOf(u)].wants_rotation = true;
+    if (settings_.valley_range[1] <= settings_.valley_range[0]) continue;
+    for (const double u : settings_.valley_range) variant.states[indexOf(u)].wants_potential = true;
+  }
+  if (!settings_.rotation_travels.empty() && !variants_.front()->mechanism.turns()) {
+    throw common::Error("bounds.rotation needs a scene with a monitor of a rotation (one with a radius)");
   }
   count_ = variants_.front()->mechanism.columnCount();
   mass_density_ = scene.bodies[settings_.body].material.mass_density;
@@ -69,25 +89,34 @@ void ArmTopology::makeVariants() {
 }
 
 void ArmTopology::makeBounds() {
+  using Quantity = Bound::Quantity;
   const ArmDesignSettings& s = settings_;
   char text[96];
   for (const double u : s.peak_travels) {
     std::snprintf(text, sizeof text, "R(%g m) <= %g N", u, s.peak_bound);
-    bounds_.push_back({indexOf(u), -1, 1 / s.peak_bound, 0, false, text});
+    bounds_.push_back({indexOf(u), -1, 1 / s.peak_bound, 0, Quantity::FORCE, text});
   }
   for (const double u : s.valley_travels) {
     std::snprintf(text, sizeof text, "R(%g m) >= %g N", u, -s.valley_bound);
-    bounds_.push_back({indexOf(u), -1, -1 / s.valley_bound, 0, false, text});
+    bounds_.push_back({indexOf(u), -1, -1 / s.valley_bound, 0, Quantity::FORCE, text});
   }
   for (std::size_t k = 0; k + 1 < s.slope_travels.size(); ++k) {
     const double a = s.slope_travels[k], b = s.slope_travels[k + 1];
     const double factor = 1 / (s.slope_bound * (b - a));
     std::snprintf(text, sizeof text, "fall from %g to %g m <= %g N/m", a, b, s.slope_bound);
-    bounds_.push_back({indexOf(a), indexOf(b), factor, -factor, false, text});
+    bounds_.push_back({indexOf(a), indexOf(b), factor, -factor, Quantity::FORCE, text});
+  }
+  // Over half the interval's width, so that the optimiser's tolerance is a share of that.
+  const double low = s.rotation_bound[0], high = s.rotation_bound[1], half = 0.5 * (high - low);
+  for (const double u : s.rotation_travels) {
+    std::snprintf(text, sizeof text, "rotation(%g m) <= %g rad", u, high);
+    bounds_.push_back({indexOf(u), -1, 1 / half, 0, Quantity::ROTATION, text, high / half});
+    std::snprintf(text, sizeof text, "rotation(%g m) >= %g rad", u, low);
+    bounds_.push_back({indexOf(u), -1, -1 / half, 0, Quantity::ROTATION, text, -low / half});
   }
   for (const double u : s.strain_travels) {
     std::snprintf(text, sizeof text, "strain(%g m) <= %g", u, s.strain_limit);
-    bounds_.push_back({indexOf(u), -1, 1 / s.strain_limit, 0, true, text});
+    bounds_.push_back({indexOf(u), -1, 1 / s.strain_limit, 0, Quantity::STRAIN, text});
   }
 }
 
@@ -176,6 +205,21 @@ long ArmTopology::newtonIterations() const {
   return sum;
 }
 
+/// The force in the valley that the objective lowers: at one travel, or its mean over a range, from the energies.
+Mechanism::Sensed ArmTopology::valleyForce(const Variant& variant, bool with_derivatives) const {
+  const auto& [from, to] = settings_.valley_range;
+  const State &first = variant.states[indexOf(from)], &last = variant.states[indexOf(to)];
+  Mechanism::Sensed mean;
+  if (to <= from) {
+    mean.value = first.force;
+    if (with_derivatives) mean.by_density = first.by_density;
+    return mean;
+  }
+  mean.value = (last.potential.value - first.potential.value) / (to - from);
+  if (with_derivatives) mean.by_density = (last.potential.by_density - first.potential.by_density) / (to - from);
+  return mean;
+}
+
 /// Adds a variant's share of the objective and its constraints, from `row` on.
 void ArmTopology::addVariant(const Eigen::VectorXd& x, const Variant& variant, int& row, bool with_derivatives,
                              Evaluated& out) const {
@@ -183,8 +227,9 @@ void ArmTopology::addVariant(const Eigen::VectorXd& x, const Variant& variant, i
   const auto back = [&](const Eigen::VectorXd& g) { return variant.map->applyJacobianTranspose(x, g); };
   const double share = 1.0 / static_cast<double>(variants_.size());
   const double alpha = s.compliance_force > 0 ? s.compliance_weight : 0;
-  const State &valley = variant.states[indexOf(s.valley_travel)], &peak = variant.states[indexOf(s.peak_travel)];
-  out.objective += share * (valley.force - peak.force) / s.peak_bound;
+  const State& peak = variant.states[indexOf(s.peak_travel)];
+  const Mechanism::Sensed valley = valleyForce(variant, with_derivatives);
+  out.objective += share * (valley.value - peak.force) / s.peak_bound;
   if (alpha > 0) out.objective -= share * alpha * s.compliance_force * variant.pulled.travel;
   if (with_derivatives) {
     Eigen::VectorXd g = (valley.by_density - peak.by_density) / s.peak_bound;
@@ -193,11 +238,11 @@ void ArmTopology::addVariant(const Eigen::VectorXd& x, const Variant& variant, i
   }
   for (const Bound& bound : bounds_) {
     const State& first = variant.states[bound.first];
-    out.constraints(row) = bound.factor_first * (bound.strain ? first.strain.value : first.force) - 1;
-    if (bound.second >= 0) out.constraints(row) += bound.factor_second * variant.states[bound.second].force;
+    out.constraints(row) = bound.factor_first * bound.value(first) - bound.limit;
+    if (bound.second >= 0) out.constraints(row) += bound.factor_second * bound.value(variant.states[bound.second]);
     if (with_derivatives) {
-      Eigen::VectorXd g = bound.factor_first * (bound.strain ? first.strain.by_density : first.by_density);
-      if (bound.second >= 0) g += bound.factor_second * variant.states[bound.second].by_density;
+      Eigen::VectorXd g = bound.factor_first * bound.derivative(first);
+      if (bound.second >= 0) g += bound.factor_second * bound.derivative(variant.states[bound.second]);
       out.jacobian.row(row) = back(g).transpose();
     }
     ++row;

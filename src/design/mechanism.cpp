@@ -15,6 +15,9 @@ Mechanism::Mechanism(const statics::Scene& scene, int body, int threads)
   planar_ = dynamic_cast<const statics::SolidProblem<2>*>(&compiled_->problem());
   volumetric_ = dynamic_cast<const statics::SolidProblem<3>*>(&compiled_->problem());
   if (!planar_ && !volumetric_) throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
+  for (int k = static_cast<int>(scene.monitors.size()); k-- > 0;) {
+    if (scene.monitors[k].radius > 0) rotation_ = k;
+  }
   planar_ ? build(*planar_, scene) : build(*volumetric_, scene);
 }
 
@@ -98,6 +101,27 @@ Eigen::VectorXd Mechanism::sumColumns(const Eigen::VectorXd& by_cell) const {
 Eigen::VectorXd Mechanism::forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at) const {
   return multiplicity() * sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, cholesky, at).reaction()
                                              : statics::Sensitivity<3>(*volumetric_, cholesky, at).reaction());
+}
+
+Mechanism::Sensed Mechanism::rotation(const statics::Cholesky* cholesky, const statics::Evaluation& at) const {
+  if (!turns()) throw common::Error("the mechanism has no monitor of a rotation");
+  Sensed result;
+  Eigen::VectorXd slope;
+  result.value = compiled_->monitor(rotation_, at.displacements, cholesky ? &slope : nullptr);
+  if (!cholesky) return result;
+  result.by_density = sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, *cholesky, at).displacement(slope)
+                                         : statics::Sensitivity<3>(*volumetric_, *cholesky, at).displacement(slope));
+  return result;
+}
+
+Mechanism::Sensed Mechanism::potential(const statics::Cholesky* cholesky, const statics::Evaluation& at) const {
+  Sensed result;
+  result.value = multiplicity() * at.energy;
+  if (!cholesky) return result;
+  result.by_density =
+      multiplicity() * sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, *cholesky, at).energy()
+                                          : statics::Sensitivity<3>(*volumetric_, *cholesky, at).energy());
+  return result;
 }
 
 Mechanism::Strain Mechanism::strain(double power, const statics::Cholesky* cholesky,

@@ -63,10 +63,14 @@ class CompiledSceneOf : public CompiledScene {
   std::vector<double> monitors(const Eigen::VectorXd& z, double p) const override {
     const Eigen::VectorXd u = displacements(z, p);
     std::vector<double> values;
-    for (const SceneMonitor& m : scene_.monitors) {
-      values.push_back(m.radius > 0 ? rotation(m, u) : displacement(m, u));
-    }
+    for (int k = 0; k < static_cast<int>(scene_.monitors.size()); ++k) values.push_back(monitor(k, u));
     return values;
+  }
+
+  double monitor(int number, const Eigen::VectorXd& u, Eigen::VectorXd* gradient = nullptr) const override {
+    const SceneMonitor& m = scene_.monitors[number];
+    if (gradient != nullptr) gradient->setZero(solid_->solid().dofCount());
+    return m.radius > 0 ? rotation(m, u, gradient) : displacement(m, u, gradient);
   }
 
   std::unique_ptr<SceneSensitivity> sensitivity(const Equilibrium& x) const override {
@@ -78,14 +82,9 @@ class CompiledSceneOf : public CompiledScene {
     const int dofs = solid_->solid().dofCount();
     parts.monitors = Eigen::MatrixXd::Zero(dofs, static_cast<int>(scene_.monitors.size()));
     for (int k = 0; k < parts.monitors.cols(); ++k) {
-      const SceneMonitor& m = scene_.monitors[k];
-      if (m.radius > 0) {
-        rotation(m, x.at.displacements, &parts.monitors, k);
-        continue;
-      }
-      for (const auto& [node, weight] : solid_->solid().interpolate(m.body, m.at.head<D>())) {
-        parts.monitors.col(k).template segment<D>(D * node) += weight * m.direction.head<D>();
-      }
+      Eigen::VectorXd gradient;
+      monitor(k, x.at.displacements, &gradient);
+      parts.monitors.col(k) = gradient;
     }
     return std::make_unique<SceneSensitivityOf<D>>(std::move(parts), x);
   }
@@ -123,17 +122,19 @@ class CompiledSceneOf : public CompiledScene {
     return 1e-13 * stiffest * scene_.cell_size * across;
   }
 
-  double displacement(const SceneMonitor& m, const Eigen::VectorXd& u) const {
-    const Vector<D> at = m.at.head<D>();
-    if (solid_->solid().interpolate(m.body, at).empty()) {
+  double displacement(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::VectorXd* gradient) const {
+    const Vector<D> at = m.at.head<D>(), direction = m.direction.head<D>();
+    const auto nodes = solid_->solid().interpolate(m.body, at);
+    if (nodes.empty()) {
       throw common::Error("monitor '" + m.name + "' lies outside of body '" + scene_.bodies[m.body].name + "'");
     }
-    return solid_->solid().displacementAt(m.body, at, u).dot(m.direction.head<D>());
+    for (const auto& [node, weight] : nodes) {
+      if (gradient != nullptr) gradient->segment<D>(D * node) += weight * direction;
+    }
+    return solid_->solid().displacementAt(m.body, at, u).dot(direction);
   }
 
-  /// @param gradient  if given, gets the derivative by u in its column k
-  double rotation(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::MatrixXd* gradient = nullptr,
-                  int k = 0) const {
+  double rotation(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::VectorXd* gradient) const {
     const mpm::Discretisation<D>& solid = solid_->solid();
     double sine = 0, cosine = 0;
     Eigen::VectorXd d_sine = Eigen::VectorXd::Zero(solid.dofCount()), d_cosine = d_sine;
@@ -147,7 +148,7 @@ class CompiledSceneOf : public CompiledScene {
       d_cosine.segment<2>(D * node) = rest;
     }
     if (gradient != nullptr) {
-      gradient->col(k) = (cosine * d_sine - sine * d_cosine) / (sine * sine + cosine * cosine);
+      *gradient = (cosine * d_sine - sine * d_cosine) / (sine * sine + cosine * cosine);
     }
     return std::atan2(sine, cosine);
   }

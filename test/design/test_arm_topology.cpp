@@ -53,6 +53,12 @@ TEST(ArmSettings, BadValuesAreNamed) {
   refused("method: mma", "method: guess");
   refused("thresholds: [0.5, 0.58, 0.42]", "thresholds: []");
   refused("valley_travels: [0.034, 0.038", "valley_travels: [0.044, 0.038");
+  refused("valley_force: ", "rotation: [0.9, 0.8]\n  rotation_travels: [0.05]\n  valley_force: ");
+  refused("valley_force: ", "rotation: [0.8, 0.9]\n  valley_force: ");
+  refused("valley_force: ", "rotation: [0.8, 0.9]\n  rotation_travels: []\n  valley_force: ");
+  refused("valley_travel: 0.050", "valley_range: [0.05, 0.03]");
+  refused("valley_travel: 0.050", "valley_range: [0.005, 0.05]");
+  refused("valley_travel: 0.050", "valley_range: [0.03]");
   refused("pin_patch: 0.004 ", "pin_patch: 0.004\n  surprise: 1 ");
 }
 

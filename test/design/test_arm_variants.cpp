@@ -9,7 +9,9 @@
 #include "snapwing/design/arm_outcome.h"
 #include "snapwing/design/arm_topology.h"
 #include "snapwing/design/design_scene.h"
+#include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/newton.h"
+#include "snapwing/statics/path.h"
 
 namespace snapwing::design {
 namespace {
@@ -42,6 +44,58 @@ TEST(ArmLimits, MassAndStrainHaveExactGradients) {
   expectGoodGradients(checkArmGradients(s, 0.5), 7);
 }
 
+TEST(ArmLimits, RotationAndMeanForceHaveExactGradients) {
+  for (const bool volumetric : {false, true}) {
+    ArmDesignSettings s = tiny();
+    s.stages = {{volumetric, 0.004, 4, 0.05}};
+    s.valley_range = {0.014, 0.020};
+    s.valley_travels = {0.020};
+    s.rotation_bound = {0.10, 0.20};
+    s.rotation_travels = {0.010, 0.020};
+    s.compliance_force = 0;
+    // objective, peak, valley, rotation at two travels from both sides, volume
+    const GradientCheck check = checkArmGradients(s, 0.5);
+    expectGoodGradients(check, 8);
+    // A central difference's error falls with the square of its step, wherever it is not rounding yet.
+    for (const GradientRow& row : check.rows) EXPECT_LT(row.relative_errors[1], 1e-3) << row.quantity;
+  }
+}
+
+/// Of the same rotation and energy as the check's curve.
+TEST(ArmLimits, RotationAndMeanForceAreThoseOfTheCheck) {
+  ArmDesignSettings s = tiny();
+  s.rotation_bound = {0, 1};
+  s.rotation_travels = {0.020};
+  s.valley_range = {0.012, 0.020};
+  s.compliance_force = 0;
+  ArmTopology problem(s, 0, 1e-12);
+  problem.beginIteration(0, 4);
+  const Eigen::VectorXd x = problem.start();
+  const Evaluated at = problem.evaluate(x, false);
+  ASSERT_TRUE(at.valid) << at.message;
+  // Rows: peak, valley, rotation from above and below (over half of the interval).
+  EXPECT_NEAR(at.constraints(2) + at.constraints(3), -2, 1e-9);
+  statics::ArmProblemSettings physics;
+  physics.plane = s.plane;
+  physics.interpolation.threshold = s.void_threshold;
+  const common::Vehicle& v = s.vehicle;
+  const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
+                                      v.material.mass_density.value};
+  const statics::ArmProblem arm(v.arm, material, problem.field(x), physics);
+  statics::PathSettings tight;
+  tight.newton.relative_tolerance = 1e-12;
+  std::vector<double> targets;
+  for (int k = 0; k <= 10; ++k) targets.push_back(0.002 * k);
+  const statics::PathResult path =
+      statics::PathFollower(arm.problem(), tight).follow(Eigen::VectorXd::Zero(arm.problem().freeCount()), targets);
+  ASSERT_EQ(path.points.size(), targets.size()) << path.message;
+  const auto &peak = path.points[5], &from = path.points[6], &to = path.points[10];
+  EXPECT_NEAR(0.5 * at.constraints(2) + 1, arm.rotation(to.solution, 0.020), 1e-8);
+  const double mean = (to.energy - from.energy) / 0.008;
+  EXPECT_NEAR(at.objective * s.peak_bound, mean - peak.force, 1e-7);
+  EXPECT_GT(mean, 0);
+}
+
 TEST(ArmLimits, StrainBoundsTheLargestStretch) {
   ArmDesignSettings s = tiny();
   const Mechanism arm(designScene(s, {false, false, 0.004, 0.001}, nullptr), 0, 1);
@@ -59,7 +113,7 @@ TEST(ArmLimits, StrainBoundsTheLargestStretch) {
 TEST(ArmVolumetric, GradientsOfColumnsAreExact) {
   ArmDesignSettings s = tiny();
   s.stages = {{true, 0.004, 4, 0.05}};
-  s.valley_travel = 0.020;
+  s.valley_range = {0.020, 0.020};
   s.valley_travels = {0.020};
   s.compliance_force = 0;
   expectGoodGradients(checkArmGradients(s, 0.5), 4);
@@ -147,6 +201,34 @@ TEST(ArmMechanism, AnyBodyOfASceneCanBeDesigned) {
   ArmDesignSettings other = s;
   other.inputs_sha256 += "x";
   EXPECT_FALSE(loadArmOutcome(other, job.folder).has_value());
+}
+
+TEST(ArmMechanism, ARotationBoundNeedsAMonitorAndSaysSo) {
+  const std::string wanted = "  rotation: [0.1, 0.2]\n  rotation_travels: [0.018]\n";
+  const auto withBound = [&](const std::string& from, const std::string& to) {
+    const std::string file = switchWith(from, to);
+    std::string design = common::readFile(file);
+    design.insert(design.find("  peak_force: "), wanted);
+    std::ofstream(file) << design;
+    return file;
+  };
+  try {
+    loadArmDesignSettings(withBound("copies: 2", "copies: 2"));
+    FAIL() << "accepted";
+  } catch (const common::SettingError& e) {
+    EXPECT_NE(std::string(e.what()).find("bounds.rotation"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("monitor"), std::string::npos) << e.what();
+  }
+  const std::string monitor = "copies: 2\nmonitors:\n  - {name: turn, body: spring, at: [20, 10], radius: 5}";
+  const ArmDesignSettings s = coarseSwitch(withBound("copies: 2", monitor));
+  EXPECT_EQ(s.rotation_travels, std::vector<double>{0.018});
+  ArmTopology problem(s);
+  problem.beginIteration(0, 3);
+  EXPECT_TRUE(problem.evaluate(problem.start(), true).valid);
+  ArmDesignSettings blind = coarseSwitch(ROOT + "/config/designs/mechanism_switch.yaml");
+  blind.rotation_bound = {0.1, 0.2};
+  blind.rotation_travels = {0.018};
+  EXPECT_THROW(ArmTopology(blind, 0), common::Error);
 }
 
 TEST(ArmMechanism, PortOutsideOfTheBodyIsNamed) {

@@ -55,20 +55,23 @@ struct ArmDesignSettings {
   double volume_start = 0.95;  ///< bound at the first iteration
   double volume_until = 0.5;   ///< share of all iterations at which it has come down
 
-  double peak_travel = 0.010;                                      ///< [m] objective: R(valley_travel) - R(peak_travel)
-  double valley_travel = 0.044;                                    ///< [m]
-  double compliance_weight = 1;                                    ///< alpha, times f |u3| [N] per [J]
-  double compliance_force = 1;                                     ///< [N] pulled against the snap; 0: no such term
-  std::vector<double> peak_travels{0.010};                         ///< [m] where R <= peak_bound
-  double peak_bound = 1.0;                                         ///< [N]
+  double peak_travel = 0.010;                          ///< [m] objective: mean of R over valley_range - R(peak_travel)
+  std::array<double, 2> valley_range{{0.044, 0.044}};  ///< [m] equal ends: R there
+  double compliance_weight = 1;                        ///< alpha, times f |u3| [N] per [J]
+  double compliance_force = 1;                         ///< [N] pulled against the snap; 0: no such term
+  std::vector<double> peak_travels{0.010};             ///< [m] where R <= peak_bound
+  double peak_bound = 1.0;                             ///< [N]
   std::vector<double> valley_travels{0.034, 0.040, 0.044, 0.048};  ///< [m] where R >= -valley_bound
   double valley_bound = 0.3;                                       ///< [N]
-  std::vector<double> slope_travels;   ///< [m] between neighbours of these the force falls by at most ...
-  double slope_bound = 60;             ///< [N/m]
-  double mass_limit = 0;               ///< [kg] of one arm; 0: none
-  double strain_limit = 0;             ///< [1] of the aggregated largest principal strain; 0: none
-  std::vector<double> strain_travels;  ///< [m] where it is looked at
-  double strain_power = 12;            ///< of the aggregation
+  std::vector<double> slope_travels;  ///< [m] between neighbours of these the force falls by at most ...
+  double slope_bound = 60;            ///< [N/m]
+  /// [rad] at rotation_travels, as the check measures it
+  std::array<double, 2> rotation_bound{0, 0};
+  std::vector<double> rotation_travels;  ///< [m]; empty: no such bound
+  double mass_limit = 0;                 ///< [kg] of one arm; 0: none
+  double strain_limit = 0;               ///< [1] of the aggregated largest principal strain; 0: none
+  std::vector<double> strain_travels;    ///< [m] where it is looked at
+  double strain_power = 12;              ///< of the aggregation
 
   std::string optimizer = "mma";  ///< mma, gcmma, nlopt
 

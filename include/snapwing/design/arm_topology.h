@@ -1,13 +1,16 @@
 #pragma once
 /// The bistable arm as an optimisation problem in the densities of the columns of its domain.
 ///
-///   min   mean_v [ R_v(u_valley) - R_v(u_peak) ] / f1 + alpha f |u3|
+///   min   mean_v [ R_v(u_valley) - R_v(u_peak) ] / f1 + alpha f |u3|    or, in place of R_v(u_valley), the mean of R_v
+///                                                                       over a range a..b: [E_v(b) - E_v(a)] / (b - a)
 ///   s.t.  R_v(u) <= f1 at the peak travels,  R_v(u) >= -f2 at the valley travels,
 ///         (R_v(u_i) - R_v(u_i+1)) / (u_i+1 - u_i) <= s for neighbours of the slope travels,
+///         low <= rotation_v(u) <= high at the rotation travels,
 ///         strain_v(u) <= limit at the strain travels,   volume <= V(k),   mass <= limit
 /// for every projection threshold v (eroded, intermediate, dilated); R is the force of one arm at driven travel u, u3
-/// the travel under the force -f. Derivatives by the adjoint method, statics/sensitivity.h; R(u3) = -f gives
-/// du3/drho = -(dR/drho) / (dR/du).
+/// the travel under the force -f, E the potential. The barrier on the way back is the largest fall of E: never less
+/// than the one over the range. Derivatives by the adjoint method, statics/sensitivity.h; R(u3) = -f gives du3/drho =
+/// -(dR/drho) / (dR/du).
 
 #include <map>
 #include <memory>
@@ -71,6 +74,9 @@ class ArmTopology : public OptimizationProblem {
   bool solveVariant(Variant& variant, bool with_derivatives, std::string& why) const;
   bool solveVariants(bool with_derivatives, std::string& why);
   bool solveState(Variant& variant, State& state, bool with_derivatives, std::string& why) const;
+  void sense(const Variant& variant, State& state, const statics::Cholesky* cholesky,
+             const statics::Evaluation& at) const;
+  Mechanism::Sensed valleyForce(const Variant& variant, bool with_derivatives) const;
   bool solvePulled(Variant& variant, std::string& why) const;
   bool tracePulled(Variant& variant, std::string& why) const;
   bool retrace(Variant& variant, std::string& why) const;

@@ -38,12 +38,23 @@ class Mechanism {
   /// dR/drho per column at a converged point, R = force(at) [N]. @param cholesky  of the exact Hessian there
   Eigen::VectorXd forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at) const;
 
+  /// A value with its derivative by the densities, the equilibrium's own change included.
+  struct Sensed {
+    double value = 0;
+    Eigen::VectorXd by_density;  ///< (columns x 1); empty if not asked for
+  };
+  /// True if the scene has a monitor of a rotation; the first such one is `rotation`.
+  bool turns() const { return rotation_ >= 0; }
+  /// Rotation at a converged point [rad], as the check measures it. @param cholesky  null: value alone
+  Sensed rotation(const statics::Cholesky* cholesky, const statics::Evaluation& at) const;
+  /// Potential of the whole at a converged point [J], the integral of the force over the travel. Stationary in the free
+  /// coordinates, so that its derivative needs no adjoint.
+  Sensed potential(const statics::Cholesky* cholesky, const statics::Evaluation& at) const;
+
   /// Aggregated strain of the designed body, S = (sum_c s_c^P)^(1/P), s_c = sqrt(rho_c) max(0, stretch_c - 1), where
   /// stretch is the largest principal one at a cell's centre. S is never below the largest s_c.
-  struct Strain {
-    double value = 0;            ///< S [1]
-    double largest = 0;          ///< max s_c [1]
-    Eigen::VectorXd by_density;  ///< dS/drho per column, with the equilibrium's own change; empty if not asked for
+  struct Strain : Sensed {
+    double largest = 0;  ///< max s_c [1]
   };
   /// @param power  P >= 1; @param cholesky  null: value alone
   Strain strain(double power, const statics::Cholesky* cholesky, const statics::Evaluation& at) const;
@@ -59,7 +70,7 @@ class Mechanism {
   std::unique_ptr<statics::CompiledScene> compiled_;
   const statics::SolidProblem<2>* planar_ = nullptr;
   const statics::SolidProblem<3>* volumetric_ = nullptr;
-  int body_;
+  int body_, rotation_ = -1;  ///< of the monitors
   double cell_size_ = 0;
   std::array<int, 2> cells_{};
   std::vector<std::array<int, 2>> columns_;  ///< place of each

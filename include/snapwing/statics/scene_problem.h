@@ -26,6 +26,9 @@ class CompiledScene {
   virtual void setDensities(const std::vector<double>& densities) = 0;
   /// Values of the scene's monitors.
   virtual std::vector<double> monitors(const Eigen::VectorXd& z, double p) const = 0;
+  /// One monitor at the solid's nodal displacements. @param gradient  if given, gets the derivative by them, (dofs x 1)
+  virtual double monitor(int number, const Eigen::VectorXd& displacements,
+                         Eigen::VectorXd* gradient = nullptr) const = 0;
   /// Share of the material's volume in cells that were left out as slivers.
   virtual double droppedShare() const = 0;
   /// Derivatives at an equilibrium, whose `at` and `multipliers` must be those of a converged solve; both must outlive
