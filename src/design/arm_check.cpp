@@ -67,11 +67,9 @@ void traceScene(const ArmDesignSettings& s, const mpm::DensityField& field, cons
   c.message = forward ? curve.back.message : curve.path.message;
   if (curve.path.points.size() < 4) return;
   c.table = curve.table();
-  c.turns = false;
   for (std::size_t m = 0; m < scene.monitors.size(); ++m) {
     if (scene.monitors[m].radius <= 0) continue;  // the first monitor that is a rotation
     for (std::size_t k = 0; k < curve.monitors.size(); ++k) c.table.rotation[k] = curve.monitors[k][m];
-    c.turns = true;
     break;
   }
 }
@@ -79,6 +77,7 @@ void traceScene(const ArmDesignSettings& s, const mpm::DensityField& field, cons
 /// Traces one field and reads the curve off.
 void trace(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
            ArmCheckCase& c) {
+  c.turns = s.turns();
   try {
     const bool as_arm = !s.user_scene && !body.volumetric && !body.quadratic;
     as_arm ? traceArm(s, field, cancel, c) : traceScene(s, field, body, cancel, c);
@@ -176,6 +175,7 @@ ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::
       // The printing error is small against coarse cells: it is looked at on the finest grid only.
       if (offset != 0 && cell > finest) continue;
       addShape({"", PLANAR_LINEAR, offset}, cell, "");
+      if (s.check_offset == 0) break;
     }
   }
   if (s.check_quadratic_cell > 0) addShape({"", PLANAR_QUADRATIC, 0, false, true}, s.check_quadratic_cell, " B-spline");

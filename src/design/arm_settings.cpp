@@ -37,14 +37,9 @@ std::array<double, 2> interval(SettingsReader& map, const std::string& key, cons
   return {ends[0], ends[1]};
 }
 
-bool turns(const ArmDesignSettings& s) {
-  return !s.user_scene || std::any_of(s.scene.monitors.begin(), s.scene.monitors.end(),
-                                      [](const statics::SceneMonitor& m) { return m.radius > 0; });
-}
-
 void readRotationBound(SettingsReader& bounds, ArmDesignSettings& s) {
   if (!bounds.has("rotation")) return;
-  if (!turns(s)) bounds.fail("rotation", "given", "a scene with a monitor of a rotation (one with a radius)");
+  if (!s.turns()) bounds.fail("rotation", "given", "a scene with a monitor of a rotation (one with a radius)");
   s.rotation_bound = interval(bounds, "rotation", {}, "rad");
   if (s.rotation_bound[1] - s.rotation_bound[0] < 1e-3) {
     bounds.fail("rotation", "an interval of less than 0.001 rad", "[low, high] rad further apart");
@@ -206,6 +201,11 @@ int ArmDesignSettings::iterations() const {
   int sum = 0;
   for (const ArmStage& stage : stages) sum += stage.iterations;
   return sum;
+}
+
+bool ArmDesignSettings::turns() const {
+  return !user_scene || std::any_of(scene.monitors.begin(), scene.monitors.end(),
+                                    [](const statics::SceneMonitor& m) { return m.radius > 0; });
 }
 
 std::string ArmDesignSettings::hash() const { return common::sha256(inputs_sha256 + common::version()); }

@@ -107,7 +107,8 @@ mpm::DensityField ArmShape::cover(const mpm::DensityField& domain, double offset
     reached[static_cast<std::size_t>(j) * nx + i] = 1;
     open.push_back({i, j});
   };
-  visit(static_cast<int>(pin_x / h + 1e-9), static_cast<int>(pin_y / h + 1e-9));
+  // A point on the domain's far edge belongs to the last cell.
+  visit(std::min(nx - 1, static_cast<int>(pin_x / h + 1e-9)), std::min(ny - 1, static_cast<int>(pin_y / h + 1e-9)));
   while (!open.empty()) {
     const auto [i, j] = open.back();
     open.pop_back();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 #include "snapwing/common/error.h"
@@ -194,6 +195,11 @@ TEST(ArmMechanism, AnyBodyOfASceneCanBeDesigned) {
   job.folder = ::testing::TempDir() + "switch_outcome";
   const ArmOutcome outcome = designArm(s, job);
   EXPECT_EQ(outcome.iterations, 3);
+  // Its port is on the domain's far edge; the check must find a body there, once without a printing error.
+  EXPECT_TRUE(std::filesystem::exists(job.folder + "/curve_2.00_mm.h5"));
+  const std::string report = common::readFile(job.folder + "/report.json");
+  EXPECT_EQ(report.find("\"2.00 mm\""), report.rfind("\"2.00 mm\""));
+  EXPECT_EQ(report.find("rotation there"), std::string::npos);  // no monitor of one
   EXPECT_FALSE(outcome.densityFile().empty());
   const auto found = loadArmOutcome(s, job.folder);
   ASSERT_TRUE(found.has_value());

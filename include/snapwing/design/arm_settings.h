@@ -85,6 +85,8 @@ struct ArmDesignSettings {
 
   /// Iterations of all stages.
   int iterations() const;
+  /// False: a scene without a monitor of a rotation, so that nothing is asked of it.
+  bool turns() const;
   /// Hash of everything that the result depends on.
   std::string hash() const;
 };
