@@ -168,7 +168,10 @@ ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::
     body.name = name;
     add(body, shape.cover(designDomain(s, cell, 0), body.offset, power, seed[0], seed[1]));
   };
-  if (!grey.value.empty()) add({"grey", PLANAR_LINEAR}, grey);
+  if (!grey.value.empty()) {  // as the last stage saw it
+    const bool solid = s.stages.back().volumetric;
+    add({"grey", solid ? VOLUMETRIC : PLANAR_LINEAR, 0, solid}, grey);
+  }
   const double finest = *std::min_element(s.check_cells.begin(), s.check_cells.end());
   for (const double cell : s.check_cells) {
     for (const double offset : {0.0, -s.check_offset, s.check_offset}) {

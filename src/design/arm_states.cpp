@@ -1,9 +1,11 @@
 #include "arm_states.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <sstream>
 #include <thread>
 
@@ -18,7 +20,31 @@ constexpr double TRACE_STEP = 0.0025;  ///< [m]
 statics::PathSettings pathSettings(double tolerance) {
   statics::PathSettings settings;
   settings.newton.relative_tolerance = tolerance;
+  // Where a path turns unstable is not asked here; finding it takes dozens of factors without a Cholesky factor.
+  settings.locate_singular = false;
   return settings;
+}
+
+/// task(0) .. task(count - 1), on at most so many threads; the first exception in that order is passed on.
+void sideBySide(int count, int threads, const std::function<void(int)>& task) {
+  std::vector<std::exception_ptr> thrown(static_cast<std::size_t>(count));
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    for (int n = next++; n < count; n = next++) {
+      try {
+        task(n);
+      } catch (...) {
+        thrown[n] = std::current_exception();
+      }
+    }
+  };
+  std::vector<std::thread> others;
+  for (int t = 1; t < std::min(threads, count); ++t) others.emplace_back(work);
+  work();
+  for (std::thread& thread : others) thread.join();
+  for (const std::exception_ptr& one : thrown) {
+    if (one) std::rethrow_exception(one);
+  }
 }
 
 }  // namespace
@@ -31,14 +57,29 @@ void ArmTopology::sense(const Variant& variant, State& state, const statics::Cho
   if (state.wants_potential) state.potential = mechanism.potential(cholesky, at);
 }
 
-bool ArmTopology::solveState(Variant& variant, State& state, bool with_derivatives, std::string& why) const {
-  statics::Evaluation at;
-  const statics::NewtonResult solved = variant.newton.solve(Eigen::VectorXd::Constant(1, state.travel), state.z, at);
-  variant.newton_iterations += solved.iterations;
+/// A solid's states are dealt out to two lanes: with three variants on two threads, one would else wait for the other.
+/// The number of lanes does not depend on the number of threads, so that the bits do not either.
+void ArmTopology::makeLanes(Variant& variant) const {
+  constexpr std::size_t OF_PULLED = 4;  // the state under a force takes as long as about four at a travel
+  const std::size_t count = variant.states.size();
+  std::size_t split = count;
+  if (settings_.stages[stage_].volumetric && count > OF_PULLED) split = (count - OF_PULLED) / 2;
+  for (const auto& [first, end] : {std::array<std::size_t, 2>{0, split}, {split, count}}) {
+    if (first == end && first > 0) continue;
+    variant.lanes.push_back(std::make_unique<Lane>(variant.mechanism.problem(), newton_tolerance_));
+    Lane& lane = *variant.lanes.back();
+    lane.first = first, lane.end = end, lane.with_pulled = first == 0;
+  }
+}
+
+bool ArmTopology::solveState(const Variant& variant, Lane& lane, State& state, bool with_derivatives) const {
+  statics::Evaluation& at = lane.at;
+  const statics::NewtonResult solved = lane.newton.solve(Eigen::VectorXd::Constant(1, state.travel), state.z, at);
+  lane.newton_iterations += solved.iterations;
   if (!solved.converged()) {
     std::ostringstream text;
     text << "no equilibrium at u = " << state.travel << " m: " << statics::statusName(solved.status);
-    why = text.str();
+    lane.why = text.str();
     return false;
   }
   const Mechanism& mechanism = variant.mechanism;
@@ -47,17 +88,19 @@ bool ArmTopology::solveState(Variant& variant, State& state, bool with_derivativ
     sense(variant, state, nullptr, at);
     return true;
   }
-  statics::Cholesky& cholesky = variant.newton.cholesky();
+  const double begin = statics::secondsNow();
+  statics::Cholesky& cholesky = lane.newton.cholesky();
   if (!cholesky.factorize(at.hessian) && cholesky.factorizeIndefinite(at.hessian) < 0) {
-    why = "singular tangent at u = " + std::to_string(state.travel) + " m";
+    lane.why = "singular tangent at u = " + std::to_string(state.travel) + " m";
     return false;
   }
   Eigen::VectorXd free_part, control_part;
   mechanism.problem().controlTangent(at, Eigen::VectorXd::Ones(1), free_part, control_part);
   state.slope = -cholesky.solve(free_part);
   state.stiffness = mechanism.multiplicity() * (control_part(0) + free_part.dot(state.slope));
-  state.by_density = mechanism.forceByDensity(cholesky, at);
+  state.by_density = mechanism.forceByDensity(cholesky, at, state.slope);
   sense(variant, state, &cholesky, at);
+  lane.seconds_derivatives += statics::secondsNow() - begin;
   return true;
 }
 
@@ -88,13 +131,13 @@ bool ArmTopology::tracePulled(Variant& variant, std::string& why) const {
 }
 
 /// Newton on the travel until R(u3) = -f, from the last design's state or else from the path.
-bool ArmTopology::solvePulled(Variant& variant, std::string& why) const {
+bool ArmTopology::solvePulled(Variant& variant, Lane& lane) const {
   if (settings_.compliance_weight == 0 || settings_.compliance_force == 0) return true;
   State& s = variant.pulled;
   for (int attempt = s.z.size() == 0 ? 1 : 0; attempt < 2; ++attempt) {
-    if (attempt == 1 && !tracePulled(variant, why)) return false;
+    if (attempt == 1 && !tracePulled(variant, lane.why)) return false;
     for (int k = 0; k < 30; ++k) {
-      if (!solveState(variant, s, true, why)) break;
+      if (!solveState(variant, lane, s, true)) break;
       const double missing = -settings_.compliance_force - s.force;
       if (std::abs(missing) < 1e-7 * settings_.compliance_force) return true;
       if (!(s.stiffness > 0)) break;
@@ -103,12 +146,13 @@ bool ArmTopology::solvePulled(Variant& variant, std::string& why) const {
       s.z += step * s.slope;
     }
   }
-  if (why.empty()) why = "no equilibrium under the compliance force was found near the path from rest";
+  if (lane.why.empty()) lane.why = "no equilibrium under the compliance force was found near the path from rest";
   return false;
 }
 
-bool ArmTopology::retrace(Variant& variant, std::string& why) const {
+bool ArmTopology::retrace(Variant& variant) const {
   ++variant.retraces;
+  variant.retraced = true;
   std::vector<double> targets{0.0};
   std::vector<std::size_t> place;
   for (const double travel : travels_) {
@@ -120,55 +164,91 @@ bool ArmTopology::retrace(Variant& variant, std::string& why) const {
   const statics::PathResult path = statics::PathFollower(problem, pathSettings(newton_tolerance_))
                                        .follow(Eigen::VectorXd::Zero(problem.freeCount()), targets);
   variant.newton_iterations += path.iterations;
+  variant.seconds_retrace += path.seconds;
   if (path.status != statics::SolveStatus::CONVERGED) {
-    why = path.message;
+    variant.why = path.message;
     return false;
   }
   for (std::size_t k = 0; k < place.size(); ++k) variant.states[k].z = path.points[place[k]].solution;
   return true;
 }
 
-bool ArmTopology::solveVariant(Variant& variant, bool with_derivatives, std::string& why) const {
+void ArmTopology::beginVariant(Variant& variant) const {
   variant.mechanism.setDensities(variant.density);
+  variant.retraced = false;
   const bool cold = variant.states.front().z.size() == 0;
-  if ((cold || retrace_wanted_) && !retrace(variant, why)) return false;
-  bool retraced = cold || retrace_wanted_;
-  for (std::size_t k = 0; k < variant.states.size(); ++k) {
-    if (solveState(variant, variant.states[k], with_derivatives, why)) continue;
-    if (retraced || !retrace(variant, why)) return false;
-    retraced = true;
-    k = static_cast<std::size_t>(-1);  // all states again, from rest
-  }
-  return solvePulled(variant, why);
+  variant.good = !(cold || retrace_wanted_) || retrace(variant);
 }
 
-/// Variants share nothing that changes, so that the number of threads does not change a bit.
+/// @return false if no equilibrium was found at a travel; whether the lane is good says all
+bool ArmTopology::solveStates(Variant& variant, Lane& lane, bool with_derivatives) const {
+  lane.newton.restart();  // a run that is resumed has no factor of earlier designs either
+  lane.why.clear();
+  lane.good = false;
+  for (std::size_t k = lane.first; k < lane.end; ++k) {
+    if (!solveState(variant, lane, variant.states[k], with_derivatives)) return false;
+  }
+  lane.good = !lane.with_pulled || solvePulled(variant, lane);
+  return true;
+}
+
+/// Lanes share nothing that changes, so that the number of threads does not change a bit.
 bool ArmTopology::solveVariants(bool with_derivatives, std::string& why) {
-  const int count = static_cast<int>(variants_.size());
-  std::vector<std::string> reasons(variants_.size());
-  std::vector<char> good(variants_.size(), 0);
-  std::vector<std::exception_ptr> thrown(variants_.size());
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int v = next++; v < count; v = next++) {
-      try {
-        good[v] = solveVariant(*variants_[v], with_derivatives, reasons[v]) ? 1 : 0;
-      } catch (...) {
-        thrown[v] = std::current_exception();
+  const auto lanes = static_cast<int>(variants_.front()->lanes.size()), count = static_cast<int>(variants_.size());
+  sideBySide(count, settings_.threads, [&](int v) { beginVariant(*variants_[v]); });
+  std::vector<char> found(static_cast<std::size_t>(count) * lanes, 1);
+  sideBySide(count * lanes, settings_.threads, [&](int n) {
+    Variant& variant = *variants_[n / lanes];
+    if (variant.good) found[n] = solveStates(variant, *variant.lanes[n % lanes], with_derivatives);
+  });
+  sideBySide(count, settings_.threads, [&](int v) {
+    Variant& variant = *variants_[v];
+    const auto begin = found.begin() + v * lanes;
+    if (variant.good && !variant.retraced && std::find(begin, begin + lanes, 0) != begin + lanes) {
+      variant.good = retrace(variant);  // all states again, from rest
+      for (auto& lane : variant.lanes) {
+        if (!variant.good || !solveStates(variant, *lane, with_derivatives)) break;
       }
     }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::min(settings_.threads, count); ++t) others.emplace_back(work);
-  work();
-  for (std::thread& thread : others) thread.join();
-  for (int v = 0; v < count; ++v) {
-    if (thrown[v]) std::rethrow_exception(thrown[v]);
-    if (good[v]) continue;
-    why = reasons[v];
+    for (const auto& lane : variant.lanes) {
+      if (variant.good && !lane->good) variant.good = false, variant.why = lane->why;
+    }
+  });
+  for (const auto& variant : variants_) {
+    if (variant->good) continue;
+    why = variant->why;
     return false;
   }
   return true;
+}
+
+int ArmTopology::retraces() const {
+  int sum = 0;
+  for (const auto& variant : variants_) sum += variant->retraces;
+  return sum;
+}
+
+long ArmTopology::newtonIterations() const {
+  long sum = 0;
+  for (const auto& variant : variants_) {
+    sum += variant->newton_iterations;
+    for (const auto& lane : variant->lanes) sum += lane->newton_iterations;
+  }
+  return sum;
+}
+
+ArmTopology::Seconds ArmTopology::seconds() const {
+  Seconds sum;
+  for (const auto& variant : variants_) {
+    sum.retraces += variant->seconds_retrace;
+    for (const auto& lane : variant->lanes) {
+      sum.assembly += lane->newton.secondsAssembly();
+      sum.factor += lane->newton.cholesky().secondsFactor();
+      sum.solve += lane->newton.cholesky().secondsSolve();
+      sum.derivatives += lane->seconds_derivatives;
+    }
+  }
+  return sum;
 }
 
 std::map<std::string, Eigen::VectorXd> ArmTopology::warmStates() const {

@@ -21,24 +21,40 @@ struct ArmTopology::State {
   Mechanism::Sensed rotation, potential;
 };
 
-/// One threshold of the projection with a mechanism of its own, so that variants may be solved side by side.
-struct ArmTopology::Variant {
-  Variant(const statics::Scene& scene, int body, int threads, double tolerance)
-      : mechanism(scene, body, threads), newton(mechanism.problem(), settingsFor(tolerance)) {}
+/// Part of a variant's states with a factor and work space of its own.
+struct ArmTopology::Lane {
+  Lane(const statics::Problem& problem, double tolerance) : newton(problem, settingsFor(tolerance)) {}
   static statics::NewtonSettings settingsFor(double tolerance) {
     statics::NewtonSettings settings;
     settings.relative_tolerance = tolerance;
     return settings;
   }
 
-  Mechanism mechanism;
   statics::Newton newton;
+  statics::Evaluation at;
+  std::size_t first = 0, end = 0;  ///< of the variant's states
+  bool with_pulled = false;        ///< the state under the force -f, too
+  bool good = false;
+  std::string why;
+  long newton_iterations = 0;
+  double seconds_derivatives = 0;
+};
+
+/// One threshold of the projection with a mechanism of its own, so that variants may be solved side by side.
+struct ArmTopology::Variant {
+  Variant(const statics::Scene& scene, int body, int threads) : mechanism(scene, body, threads) {}
+
+  Mechanism mechanism;
+  std::vector<std::unique_ptr<Lane>> lanes;
   std::shared_ptr<const Chain> map;
   std::vector<State> states;
   State pulled;  ///< under the force -f
   Eigen::VectorXd density;
+  bool good = false, retraced = false;  ///< at the evaluation that runs
+  std::string why;
   int retraces = 0;
-  long newton_iterations = 0;
+  long newton_iterations = 0;  ///< of retraces
+  double seconds_retrace = 0;
 };
 
 }  // namespace snapwing::design

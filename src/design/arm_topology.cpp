@@ -65,14 +65,15 @@ void ArmTopology::makeVariants() {
   const statics::Scene scene = designScene(settings_, rung, nullptr);
   const int count = static_cast<int>(settings_.thresholds.size());
   // Variants share the threads; what is left over goes to the assembly.
-  const int threads = std::max(1, settings_.threads / count);
+  const int threads = std::max(1, settings_.threads / (count * (rung.volumetric ? 2 : 1)));
   for (int v = 0; v < count; ++v) {
-    variants_.push_back(std::make_unique<Variant>(scene, settings_.body, threads, newton_tolerance_));
+    variants_.push_back(std::make_unique<Variant>(scene, settings_.body, threads));
     Variant& variant = *variants_.back();
     for (const double travel : travels_) {
       variant.states.emplace_back();
       variant.states.back().travel = travel;
     }
+    makeLanes(variant);
     for (const double u : settings_.strain_travels) variant.states[indexOf(u)].wants_strain = true;
     for (const double u : settings_.rotation_travels) variant.states[indexOf(u)].wants_rotation = true;
     if (settings_.valley_range[1] <= settings_.valley_range[0]) continue;
@@ -192,18 +193,6 @@ int ArmTopology::indexOf(double travel) const {
 }
 
 int ArmTopology::freedomCount() const { return variants_.front()->mechanism.problem().freeCount(); }
-
-int ArmTopology::retraces() const {
-  int sum = 0;
-  for (const auto& variant : variants_) sum += variant->retraces;
-  return sum;
-}
-
-long ArmTopology::newtonIterations() const {
-  long sum = 0;
-  for (const auto& variant : variants_) sum += variant->newton_iterations;
-  return sum;
-}
 
 /// The force in the valley that the objective lowers: at one travel, or its mean over a range, from the energies.
 Mechanism::Sensed ArmTopology::valleyForce(const Variant& variant, bool with_derivatives) const {

@@ -55,8 +55,9 @@ statics::Scene designScene(const ArmDesignSettings& s, const SceneRung& rung, co
   scene.steps = static_cast<int>(std::ceil(scene.to / rung.step - 1e-9));
   scene.back = true;
   scene.drive = statics::Drive::ELIMINATION;  // exact, and the adjoint knows it
-  // A design need not be symmetric in its plane, and its forces are those of one copy.
-  scene.use_symmetry = statics::SymmetryUse::THICKNESS;
+  // A design need not be symmetric in its plane, and its forces are those of one copy. Half the thickness at any cell
+  // size: a line pin lets the whole one slide along the axle, and a compressed arm then sways sideways.
+  scene.use_symmetry = statics::SymmetryUse::MIDDLE;
   scene.copies = 1;
   statics::SceneBody& body = scene.bodies[s.body];
   if (field) {

@@ -98,9 +98,10 @@ Eigen::VectorXd Mechanism::sumColumns(const Eigen::VectorXd& by_cell) const {
   return sum;
 }
 
-Eigen::VectorXd Mechanism::forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at) const {
-  return multiplicity() * sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, cholesky, at).reaction()
-                                             : statics::Sensitivity<3>(*volumetric_, cholesky, at).reaction());
+Eigen::VectorXd Mechanism::forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at,
+                                          const Eigen::VectorXd& slope) const {
+  return multiplicity() * sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, cholesky, at).reaction(slope)
+                                             : statics::Sensitivity<3>(*volumetric_, cholesky, at).reaction(slope));
 }
 
 Mechanism::Sensed Mechanism::rotation(const statics::Cholesky* cholesky, const statics::Evaluation& at) const {

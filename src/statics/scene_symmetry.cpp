@@ -130,6 +130,7 @@ std::array<double, 2> extent(const SceneBody& body, int axis) {
 
 /// Half a grid is the half of the whole one only if the plane lies between its cells.
 bool betweenCells(const Scene& scene, int axis, double at) {
+  if (scene.use_symmetry == SymmetryUse::MIDDLE) return true;  // the half is what is wanted, whatever the whole is
   return std::all_of(scene.bodies.begin(), scene.bodies.end(), [&](const SceneBody& body) {
     const double cells = (at - extent(body, axis)[0]) / scene.cell_size;
     return std::abs(cells - std::round(cells)) < 1e-6 * std::max(1.0, std::abs(cells));

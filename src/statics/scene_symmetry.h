@@ -21,8 +21,8 @@ struct Mirror {
 };
 
 /// Planes across which all bodies, supports, pins, joints, ports, loads and monitors are their own images, and that lie
-/// between cells, so that half the cells say exactly what all of them would. A symmetric scene may still move
-/// asymmetrically: planes along x and y are looked for only if the scene asks for them.
+/// between cells (but for SymmetryUse::MIDDLE), so that half the cells say exactly what all of them would. A symmetric
+/// scene may still move asymmetrically: planes along x and y are looked for only if the scene asks for them.
 Mirror findMirrors(const Scene& scene);
 
 /// The scene without what is only image: supports beyond the planes are left out, monitors are mirrored.

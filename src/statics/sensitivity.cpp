@@ -7,8 +7,13 @@ Eigen::VectorXd Sensitivity<D>::reaction() const {
   const Eigen::VectorXd dp = Eigen::VectorXd::Ones(1);
   Eigen::VectorXd free_part, control_part;
   problem_.controlTangent(at_, dp, free_part, control_part);
-  const Eigen::VectorXd dz = -cholesky_.solve(free_part);
-  return problem_.solid().densityDerivative(at_.displacements, problem_.reduction().expandDirection(dz, dp));
+  return reaction(-cholesky_.solve(free_part));
+}
+
+template <int D>
+Eigen::VectorXd Sensitivity<D>::reaction(const Eigen::VectorXd& slope) const {
+  return problem_.solid().densityDerivative(at_.displacements,
+                                            problem_.reduction().expandDirection(slope, Eigen::VectorXd::Ones(1)));
 }
 
 template <int D>

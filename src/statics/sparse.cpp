@@ -197,6 +197,8 @@ int Cholesky::factorizeIndefinite(const std::vector<double>& values) {
   return negative;
 }
 
+void Cholesky::drop() { impl_->active = nullptr; }
+
 bool Cholesky::definite() const { return impl_->active != nullptr && impl_->active == impl_->factor; }
 
 Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right) const { return solve(Eigen::MatrixXd(right)).col(0); }

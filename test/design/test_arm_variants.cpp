@@ -120,6 +120,17 @@ TEST(ArmVolumetric, GradientsOfColumnsAreExact) {
   expectGoodGradients(checkArmGradients(s, 0.5), 4);
 }
 
+/// Ten millimetres are five cells of two: no mirror plane between cells, and the whole thickness slides along the axle.
+TEST(ArmVolumetric, HalfTheThicknessAtAnyCellSize) {
+  const ArmDesignSettings s = tiny();
+  for (const double cell : {0.0025, 0.002, 0.00125}) {
+    const Mechanism arm(designScene(s, {true, false, cell, 0.001}, nullptr), 0, 1);
+    EXPECT_EQ(arm.multiplicity(), 2) << cell;
+    // The area is that of the outline, whatever the cells along z are.
+    EXPECT_NEAR(arm.areas().sum(), 0.020 * 0.040 + 0.060 * 0.020, 1e-9) << cell;
+  }
+}
+
 TEST(ArmStages, PlanarDesignStartsTheSolid) {
   ArmDesignSettings s = tiny();
   s.stages = {{false, 0.004, 3, 0.05}, {false, 0.002, 2, 0.05}, {true, 0.004, 1, 0.05}};
@@ -135,8 +146,7 @@ TEST(ArmStages, PlanarDesignStartsTheSolid) {
   EXPECT_NEAR(run.history[5].forces[0], run.history[2].forces[0], 0.3 * run.history[2].forces[0]);
 }
 
-TEST(ArmThreads, DoNotChangeABit) {
-  ArmDesignSettings s = tiny();
+void expectSameBitsOnAnyThreads(ArmDesignSettings s) {
   s.thresholds = {0.5, 0.58, 0.42};
   s.threads = 1;
   const ArmRun one = runArmDesign(s, {});
@@ -145,6 +155,18 @@ TEST(ArmThreads, DoNotChangeABit) {
   EXPECT_EQ(one.field.value, two.field.value);
   EXPECT_EQ(one.forces, two.forces);
   EXPECT_EQ(one.result.objective, two.result.objective);
+}
+
+TEST(ArmThreads, DoNotChangeABit) { expectSameBitsOnAnyThreads(tiny()); }
+
+/// A solid's states are dealt out to more tasks than it has variants.
+TEST(ArmThreads, DoNotChangeABitOfASolid) {
+  ArmDesignSettings s = tiny();
+  s.stages = {{true, 0.004, 2, 0.05}};
+  s.slope_travels = {0.008, 0.012, 0.016, 0.020};
+  s.valley_travel = 0.024;
+  s.valley_travels = {0.024};
+  expectSameBitsOnAnyThreads(s);
 }
 
 TEST(ArmEnds, AnUnreachableBoundIsInfeasibleAndNamed) {

@@ -60,6 +60,12 @@ class ArmTopology : public OptimizationProblem {
   /// How often a variant was traced anew from rest, and equilibria solved by Newton iterations, so far.
   int retraces() const;
   long newtonIterations() const;
+  /// Seconds so far, summed over the threads: of the states' Newton iterations, of derivatives at equilibria (with the
+  /// factor that they need), and of tracing from rest. Assembly, factors and solves are parts of the first two.
+  struct Seconds {
+    double assembly = 0, factor = 0, solve = 0, derivatives = 0, retraces = 0;
+  };
+  Seconds seconds() const;
 
   /// Equilibria that the next evaluation starts from; with them a run goes on bit for bit.
   std::map<std::string, Eigen::VectorXd> warmStates() const;
@@ -67,19 +73,22 @@ class ArmTopology : public OptimizationProblem {
 
  private:
   struct State;
+  struct Lane;
   struct Variant;
   struct Bound;
   void makeVariants();
   void makeBounds();
-  bool solveVariant(Variant& variant, bool with_derivatives, std::string& why) const;
+  void makeLanes(Variant& variant) const;
   bool solveVariants(bool with_derivatives, std::string& why);
-  bool solveState(Variant& variant, State& state, bool with_derivatives, std::string& why) const;
+  void beginVariant(Variant& variant) const;
+  bool solveStates(Variant& variant, Lane& lane, bool with_derivatives) const;
+  bool solveState(const Variant& variant, Lane& lane, State& state, bool with_derivatives) const;
+  bool solvePulled(Variant& variant, Lane& lane) const;
   void sense(const Variant& variant, State& state, const statics::Cholesky* cholesky,
              const statics::Evaluation& at) const;
   Mechanism::Sensed valleyForce(const Variant& variant, bool with_derivatives) const;
-  bool solvePulled(Variant& variant, std::string& why) const;
   bool tracePulled(Variant& variant, std::string& why) const;
-  bool retrace(Variant& variant, std::string& why) const;
+  bool retrace(Variant& variant) const;
   void addVariant(const Eigen::VectorXd& x, const Variant& variant, int& row, bool with_derivatives,
                   Evaluated& out) const;
   void addSize(const Eigen::VectorXd& x, int row, bool with_derivatives, Evaluated& out);

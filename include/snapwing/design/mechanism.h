@@ -36,7 +36,9 @@ class Mechanism {
   /// Factor from the problem's forces to those of the whole.
   double multiplicity() const { return compiled_->multiplicity(); }
   /// dR/drho per column at a converged point, R = force(at) [N]. @param cholesky  of the exact Hessian there
-  Eigen::VectorXd forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at) const;
+  /// @param slope  dz/dp of the path there
+  Eigen::VectorXd forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at,
+                                 const Eigen::VectorXd& slope) const;
 
   /// A value with its derivative by the densities, the equilibrium's own change included.
   struct Sensed {

@@ -79,6 +79,12 @@ class Newton {
     factor_is_recent_ = false;
   }
 
+  /// Forgets the factor as well: what follows is what a new object would do.
+  void restart() {
+    forget();
+    cholesky_.drop();
+  }
+
   Cholesky& cholesky() { return cholesky_; }
   double secondsAssembly() const { return seconds_assembly_; }
 

@@ -19,8 +19,10 @@ using mpm::Point3;
 
 enum class SceneKernel { LINEAR, LINEAR_REDUCED, QUADRATIC };
 
-/// Which mirror planes of a scene are looked for: none, z (half the thickness of a solid), or x, y and z.
-enum class SymmetryUse { NONE, THICKNESS, ALL };
+/// Which mirror planes of a scene are looked for: none, z (half the thickness of a solid), or x, y and z. MIDDLE: z,
+/// with the grid built from that plane on, so that it is there whether or not it lies between cells of the whole grid;
+/// not in scene files.
+enum class SymmetryUse { NONE, THICKNESS, ALL, MIDDLE };
 
 struct SceneBody {
   std::string name;

@@ -24,6 +24,7 @@ class Sensitivity {
       : problem_(problem), cholesky_(cholesky), at_(at) {}
 
   Eigen::VectorXd reaction() const;                                       ///< [N]
+  Eigen::VectorXd reaction(const Eigen::VectorXd& slope) const;           ///< [N] where slope = dz/dp is known already
   Eigen::VectorXd displacement(const Eigen::VectorXd& functional) const;  ///< of functional . u, (dofs x 1)
   Eigen::VectorXd energy() const;                                         ///< [J]
   /// [m3] of sum rho_c m_c

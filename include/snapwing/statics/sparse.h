@@ -38,6 +38,8 @@ class Cholesky {
   /// L D L^T without pivoting, for an indefinite matrix: slower, and only to be trusted away from singular minors.
   /// @return number of negative pivots, or -1 if a pivot vanished
   int factorizeIndefinite(const std::vector<double>& values);
+  /// Forgets the factor, not the analysis.
+  void drop();
   /// True if the last factorization was L L^T and good.
   bool definite() const;
   /// Solution with the last good factor.
