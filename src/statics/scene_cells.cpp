@@ -132,6 +132,22 @@ typename SceneCells<D>::Kind SceneCells<D>::cutKind(const mpm::Grid<D>& grid, co
   return cut_kinds_[inside] = addKind(terms);
 }
 
+/// Filled share of a cell's height over that of its samples, which know a thickness to a part of a cell only. Built
+/// from the middle plane, a coarse grid would else give most of its bodies a wrong volume.
+template <int D>
+double SceneCells<D>::heightCorrection(const SceneBody& body, const Vector<D>& centre) const {
+  if (D == 2 || !body.extruded || scene_.use_symmetry != SymmetryUse::MIDDLE) return 1;
+  const double half = 0.5 * body.thicknessAt(centre(0), centre(1)), h = scene_.cell_size;
+  const double low = centre(D - 1) - 0.5 * h;
+  const double filled = (std::min(low + h, half) - std::max(low, -half)) / h;
+  int layers = 0;
+  for (int k = 0; k < scene_.particles; ++k) {
+    layers += std::abs(low + h * (k + 0.5) / scene_.particles) <= half * (1 + 1e-12) ? 1 : 0;
+  }
+  const double sampled = static_cast<double>(layers) / scene_.particles;
+  return layers == 0 || std::abs(filled - sampled) < 1e-9 ? 1 : filled / sampled;
+}
+
 template <int D>
 void SceneCells<D>::addBody(int number) {
   const SceneBody& body = scene_.bodies[number];
@@ -155,7 +171,8 @@ void SceneCells<D>::addBody(int number) {
     if (count == 0) continue;
     const double fraction = static_cast<double>(count) / static_cast<double>(samples_.size());
     const Vector<D> centre = grid.cellCentre(at);
-    const double measure = cell_volume * (D == 2 ? body.thicknessAt(centre(0), centre(1)) : 1.0);
+    const double measure =
+        cell_volume * (D == 2 ? body.thicknessAt(centre(0), centre(1)) : heightCorrection(body, centre));
     total_ += fraction * measure;
     if (fraction < scene_.smallest_fraction) {
       dropped_ += fraction * measure;

@@ -40,6 +40,7 @@ class SceneCells {
  private:
   mpm::Grid<D> makeGrid(int body) const;
   void addBody(int body);
+  double heightCorrection(const SceneBody& body, const mpm::Vector<D>& centre) const;
   /// Terms of a kind of cell, and the rule of all its particles.
   struct Kind {
     int kind = 0, rule = 0;

@@ -123,11 +123,11 @@ TEST(ArmVolumetric, GradientsOfColumnsAreExact) {
 /// Ten millimetres are five cells of two: no mirror plane between cells, and the whole thickness slides along the axle.
 TEST(ArmVolumetric, HalfTheThicknessAtAnyCellSize) {
   const ArmDesignSettings s = tiny();
-  for (const double cell : {0.0025, 0.002, 0.00125}) {
+  for (const double cell : {0.0025, 0.002, 0.004}) {
     const Mechanism arm(designScene(s, {true, false, cell, 0.001}, nullptr), 0, 1);
     EXPECT_EQ(arm.multiplicity(), 2) << cell;
-    // The area is that of the outline, whatever the cells along z are.
-    EXPECT_NEAR(arm.areas().sum(), 0.020 * 0.040 + 0.060 * 0.020, 1e-9) << cell;
+    // Leg and bar have their volume, even where their thickness ends between the samples of a cell.
+    EXPECT_NEAR(arm.areas().sum(), 0.020 * 0.040 + 0.060 * 0.020, 1e-12) << cell;
   }
 }
 
