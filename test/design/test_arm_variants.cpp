@@ -164,7 +164,7 @@ TEST(ArmThreads, DoNotChangeABitOfASolid) {
   ArmDesignSettings s = tiny();
   s.stages = {{true, 0.004, 2, 0.05}};
   s.slope_travels = {0.008, 0.012, 0.016, 0.020};
-  s.valley_travel = 0.024;
+  s.valley_range = {0.024, 0.024};
   s.valley_travels = {0.024};
   expectSameBitsOnAnyThreads(s);
 }
