@@ -21,7 +21,7 @@ namespace {
 constexpr double FORCE_TOLERANCE = 1e-12;  ///< of E times the section
 constexpr double STIFFNESS_LENGTH = 0.01;  ///< [m] weight of the joints: as stiff as this much of a bar
 constexpr double ENERGY_FLOOR = 1e-15;     ///< of E times the volume: energies of single cells round at that size
-constexpr double GAP_TOLERANCE = 1e-11;    ///< [m]
+constexpr double GAP_TOLERANCE = 1e-13;    ///< [m] times the joints' weight: an error of 1e-11 E times the section
 
 template <int D>
 double vonMises(const elasticity::Matrix<D>& cauchy) {
@@ -51,7 +51,7 @@ class SolidLinkage : public LinkageModel {
   static statics::JointSettings solverSettings(const WingBars& bars, const SolidSettings& s, double volume) {
     const double EA = bars.youngs_modulus * bars.width * bars.thickness;
     statics::JointSettings solver;
-    solver.method = s.solver;
+    solver.drive = s.solver;
     solver.max_iterations = s.max_iterations;
     solver.force_tolerance = FORCE_TOLERANCE * EA;
     solver.energy_floor = ENERGY_FLOOR * bars.youngs_modulus * volume;
@@ -65,7 +65,7 @@ class SolidLinkage : public LinkageModel {
   double largestStress(const VectorXd& u) const;
   /// What the derivatives start from: tangent at the state and the change of both equations by X at fixed u, lambda.
   struct Linearised {
-    statics::JointResult at;
+    statics::Evaluation at;
     mpm::MapDerivative<D> map;
     MatrixXd forces, rows;
   };
@@ -122,7 +122,7 @@ ElasticState SolidLinkage<D>::solve(double theta, const ElasticState* guess) con
     default:
       state.status = ElasticStatus::NOT_CONVERGED;
       state.message += " at theta = " + std::to_string(theta) + " rad";
-      if (!result.u.allFinite() || !result.assembly.finite) return state;
+      if (!result.u.allFinite() || !result.at.finite) return state;
   }
   describe(result, pose ? pose->wing_rotation : given ? guess->wing_rotation : 0, &state);
   return state;
@@ -133,7 +133,7 @@ void SolidLinkage<D>::describe(const statics::JointResult& result, double near, 
   const VectorXd& u = result.u;
   state->q = u;
   state->forces = result.multipliers;
-  state->energy = result.assembly.energy;
+  state->energy = result.at.elastic_energy;
   state->joint1 = layout_.joint1 + gathered<D>(mesh_.at(COUPLER_BAR, 0), u);
   state->joint2 = layout_.joint2 + gathered<D>(mesh_.at(COUPLER_BAR, 1), u);
   state->tip = layout_.tip + gathered<D>(mesh_.at(EDGE_BAR, 1), u);
@@ -169,9 +169,7 @@ template <int D>
 typename SolidLinkage<D>::Linearised SolidLinkage<D>::linearise(const ElasticState& state) const {
   if (state.status != ElasticStatus::CONVERGED) throw common::Error("solid linkage: no derivative without equilibrium");
   Linearised l;
-  l.at.status = statics::JointStatus::CONVERGED;
-  l.at.u = state.q;
-  mesh_.solid()->assemble(state.q, elasticity::Order::TANGENT, settings_.threads, l.at.assembly);
+  l.at = equilibrium_.linearise(state.q);
   l.map = mpm::mapDerivative<D>(*mesh_.solid(), state.q, mesh_.rates());
   l.forces = l.map.force + joints_.forcesByX(state.theta, state.forces);
   l.rows = joints_.rowsByX(state.theta, state.q);

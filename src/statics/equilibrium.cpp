@@ -58,15 +58,27 @@ int TangentSystem::formSchur() {
   return static_cast<int>((values.array() < 0).count());
 }
 
+template <class Dense>
+void TangentSystem::solveAny(const Dense& f, const Dense& g, Dense& z, Dense& lambda) const {
+  z = cholesky_.solve(f);
+  lambda.resize(0, f.cols());
+  if (problem_.tied() == nullptr) return;
+  const Dense gap = problem_.tied()->ties().rows * z - g;
+  const Eigen::MatrixXd& basis = schur_.eigenvectors();
+  Dense shares = basis.transpose() * gap;
+  shares.array().colwise() /= schur_.eigenvalues().array();
+  lambda = basis * shares;
+  z -= spread_ * lambda;
+}
+
 void TangentSystem::solve(const Eigen::VectorXd& f, const Eigen::VectorXd& g, Eigen::VectorXd& z,
                           Eigen::VectorXd& lambda) const {
-  z = cholesky_.solve(f);
-  lambda.resize(0);
-  if (problem_.tied() == nullptr) return;
-  const Eigen::VectorXd gap = problem_.tied()->ties().rows * z - g;
-  const Eigen::MatrixXd& basis = schur_.eigenvectors();
-  lambda = basis * (basis.transpose() * gap).cwiseQuotient(schur_.eigenvalues());
-  z -= spread_ * lambda;
+  solveAny(f, g, z, lambda);
+}
+
+void TangentSystem::solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& g, Eigen::MatrixXd& z,
+                          Eigen::MatrixXd& lambda) const {
+  solveAny(f, g, z, lambda);
 }
 
 EquilibriumSolver::EquilibriumSolver(const Problem& problem, const NewtonSettings& settings)
@@ -92,7 +104,7 @@ void EquilibriumSolver::evaluate(const Equilibrium& x, Order order, Evaluation& 
 }
 
 Eigen::VectorXd EquilibriumSolver::gap(const Equilibrium& x) const {
-  return tied_ ? tied_->ties().gap(x.z, x.p) : Eigen::VectorXd();
+  return tied_ ? tied_->gap(x.z, x.p) : Eigen::VectorXd();
 }
 
 bool EquilibriumSolver::balanced(const Equilibrium& x) const {

@@ -1,7 +1,5 @@
 #include "snapwing/statics/joint_equilibrium.h"
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -11,32 +9,52 @@ namespace snapwing::statics {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using elasticity::Order;
 
 namespace {
 
-constexpr double CLOSED = 1e-9;  ///< [m] joints closer than this are closed: from then on the energy must fall
-constexpr int HALVINGS = 30;
+constexpr double NO_SCALE = 1e-15;  ///< relative tolerance: the forces' own decides
 
-double largest(const VectorXd& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
+Ties tiesOf(ConstraintRows H) {
+  Ties ties;
+  const auto rows = H.rows();
+  ties.rows = std::move(H);
+  ties.control = MatrixXd::Zero(rows, 1);
+  ties.constant = VectorXd::Zero(rows);
+  for (int row = 0; row < rows; ++row) ties.equation.push_back(row);
+  return ties;
+}
+
+void check(const ConstraintRows& H, int dofs, std::size_t names, const JointSettings& s) {
+  if (H.cols() != dofs || H.rows() != static_cast<Eigen::Index>(names)) {
+    throw common::Error("joint equilibrium: H is " + std::to_string(H.rows()) + " x " + std::to_string(H.cols()) +
+                        ", wanted " + std::to_string(names) + " x " + std::to_string(dofs));
+  }
+  if (!(s.stiffness > 0) || s.max_iterations < 1) {
+    throw common::Error("joint equilibrium: stiffness must be above 0 and max_iterations at least 1");
+  }
+  if (s.drive == Drive::ELIMINATION) {
+    throw common::Error("joint equilibrium: drive is 'elimination'; allowed: augmented_lagrangian, multipliers");
+  }
+}
 
 }  // namespace
 
 template <int D>
 JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<D>> solid, ConstraintRows H,
-                                      std::vector<std::string> names, JointSettings settings)
-    : solid_(std::move(solid)),
-      names_(std::move(names)),
-      settings_(settings),
-      rank_(rankOf(H)),
-      saddle_(solid_->pattern(), H, settings.stiffness) {
-  if (H.cols() != solid_->dofCount() || H.rows() != static_cast<Eigen::Index>(names_.size())) {
-    throw common::Error("joint equilibrium: H is " + std::to_string(H.rows()) + " x " + std::to_string(H.cols()) +
-                        ", wanted " + std::to_string(names_.size()) + " x " + std::to_string(solid_->dofCount()));
-  }
-  if (!(settings.stiffness > 0) || settings.max_iterations < 1) {
-    throw common::Error("joint equilibrium: stiffness must be above 0 and max_iterations at least 1");
-  }
+                                      std::vector<std::string> names, const JointSettings& settings)
+    : names_(std::move(names)) {
+  const int dofs = solid->dofCount();
+  check(H, dofs, names_.size(), settings);
+  rank_ = rankOf(H);
+  solid_ = std::make_shared<SolidProblem<D>>(std::move(solid), Reduction(dofs, 1, {}), MatrixXd(), settings.threads,
+                                             settings.force_tolerance);
+  solid_->setEnergyFloor(settings.energy_floor);
+  tied_ = std::make_unique<TiedProblem>(solid_, tiesOf(std::move(H)), settings.drive, settings.stiffness,
+                                        settings.gap_tolerance);
+  NewtonSettings newton;
+  newton.max_iterations = settings.max_iterations;
+  newton.relative_tolerance = NO_SCALE;
+  solver_ = std::make_unique<EquilibriumSolver>(*tied_, newton);
 }
 
 template <int D>
@@ -53,105 +71,45 @@ std::string JointEquilibrium<D>::refusal() const {
 }
 
 template <int D>
-double JointEquilibrium<D>::potential(const VectorXd& u, const VectorXd& f, const VectorXd& h,
-                                      const VectorXd& multipliers) const {
-  mpm::Assembly at;
-  solid_->assemble(u, Order::ENERGY, settings_.threads, at);
-  if (!at.finite) return std::numeric_limits<double>::infinity();
-  double sum = at.energy - f.dot(u);
-  if (augmented()) {
-    const VectorXd gap = rows() * u - h;
-    sum += multipliers.dot(gap) + 0.5 * settings_.stiffness * gap.squaredNorm();
-  }
-  return sum;
-}
-
-/// du halved until the potential falls. Where the promised fall drowns in rounding the step only has to stay finite;
-/// so also while joints are open (`slope` = +inf), because closing them may cost energy.
-template <int D>
-VectorXd JointEquilibrium<D>::shortened(const JointResult& at, const VectorXd& f, const VectorXd& h, const VectorXd& du,
-                                        double slope) const {
-  const double before = potential(at.u, f, h, at.multipliers);
-  const double noise = settings_.energy_floor + 1e-14 * std::abs(before);
-  const bool must_fall = std::isfinite(slope) && slope < -noise;
-  double share = 1;
-  for (int k = 0; k < HALVINGS; ++k, share *= 0.5) {
-    const double after = potential(at.u + share * du, f, h, at.multipliers);
-    if (std::isfinite(after) && (!must_fall || after <= before + 1e-4 * share * slope + noise)) break;
-  }
-  return share * du;
-}
-
-template <int D>
-void JointEquilibrium<D>::factorizeShifted(const std::vector<double>& blocks) {
-  for (double shift = 0; !saddle_.factorize(blocks, shift);) {
-    shift = shift == 0 ? 1e-6 * settings_.stiffness : 10 * shift;
-    if (!(shift < 1e6 * settings_.stiffness)) throw common::Error("joint equilibrium: tangent is not finite");
-  }
-}
-
-template <int D>
-VectorXd JointEquilibrium<D>::step(const VectorXd& f, const VectorXd& h, const VectorXd& gap, JointResult* at) {
-  factorizeShifted(at->assembly.blocks);
-  const VectorXd pull = f - at->assembly.gradient;
-  if (augmented()) {
-    const VectorXd r = pull - rows().transpose() * (at->multipliers + settings_.stiffness * gap);
-    const VectorXd du = saddle_.solvePenalty(r);
-    return shortened(*at, f, h, du, -r.dot(du));
-  }
-  MatrixXd du, multipliers;
-  saddle_.solve(pull, -gap, &du, &multipliers);
-  at->multipliers = multipliers;
-  const bool closed = largest(gap) <= CLOSED;
-  return shortened(*at, f, h, du, closed ? -pull.dot(du.col(0)) : std::numeric_limits<double>::infinity());
-}
-
-template <int D>
 JointResult JointEquilibrium<D>::solve(const VectorXd& f, const VectorXd& h, const VectorXd& guess) {
-  JointResult at;
-  at.u = guess;
-  at.multipliers = VectorXd::Zero(rows().rows());
-  at.message = refusal();
-  if (!at.message.empty()) {
-    at.status = JointStatus::RANK_DEFICIENT;
-    return at;
+  JointResult result;
+  result.message = refusal();
+  if (!result.message.empty()) {
+    result.status = JointStatus::RANK_DEFICIENT;
+    return result;
   }
-  at.status = JointStatus::NOT_CONVERGED;
-  for (; at.iterations < settings_.max_iterations; ++at.iterations) {
-    solid_->assemble(at.u, Order::TANGENT, settings_.threads, at.assembly);
-    if (!at.assembly.finite) break;
-    const VectorXd gap = rows() * at.u - h;
-    at.gap = largest(gap);
-    const double w = augmented() ? settings_.stiffness : 0;
-    at.residual = largest(at.assembly.gradient - f + rows().transpose() * (at.multipliers + w * gap));
-    const bool balanced = at.residual <= settings_.force_tolerance;
-    const double open = settings_.multiplier_tolerance * largest(at.multipliers) + settings_.force_tolerance;
-    if (balanced && at.gap <= settings_.gap_tolerance && w * at.gap <= open) {
-      at.status = JointStatus::CONVERGED;
-      at.stable = saddle_.factorize(at.assembly.blocks);
-      return at;
-    }
-    if (augmented() && balanced) {
-      at.multipliers += w * gap;  // the inner problem is solved: multipliers take over the penalty's force
-    } else {
-      at.u += step(f, h, gap, &at);
-    }
-  }
-  std::ostringstream text;
-  text << "no equilibrium after " << at.iterations << " iterations: residual " << at.residual << " N (allowed "
-       << settings_.force_tolerance << "), gap " << at.gap << " m";
-  if (!at.assembly.finite) text << "; cell " << at.assembly.min_det_f_cell << " is turned inside out";
-  at.message = text.str();
+  solid_->setDeadLoad(f);
+  solver_->setTieConstant(h);
+  Equilibrium x = solver_->start(guess, 0);
+  const NewtonResult newton = solver_->minimise(x);
+  result.status = newton.converged() ? JointStatus::CONVERGED : JointStatus::NOT_CONVERGED;
+  result.gap = (tied_->ties().rows * x.z - h).cwiseAbs().maxCoeff();
+  result.residual = newton.residual;
+  result.iterations = newton.iterations;
+  result.stable = newton.converged() && solver_->system().factorize(x.at.hessian) == 0;
+  if (!newton.converged()) result.message = "no equilibrium: " + statusName(newton.status) + ", " + newton.message;
+  result.u = std::move(x.z);
+  result.multipliers = std::move(x.multipliers);
+  result.at = std::move(x.at);
+  return result;
+}
+
+template <int D>
+Evaluation JointEquilibrium<D>::linearise(const VectorXd& u) {
+  Evaluation at;
+  tied_->evaluate(u, VectorXd::Zero(1), Order::TANGENT, at);
   return at;
 }
 
 template <int D>
-void JointEquilibrium<D>::solveTangent(const JointResult& at, const MatrixXd& f, const MatrixXd& g, MatrixXd* x,
+void JointEquilibrium<D>::solveTangent(const Evaluation& at, const MatrixXd& f, const MatrixXd& g, MatrixXd* x,
                                        MatrixXd* y) {
-  if (at.status != JointStatus::CONVERGED || !saddle_.factorize(at.assembly.blocks)) {
+  if (!refusal().empty() || at.hessian.empty() || solver_->system().factorize(at.hessian) != 0) {
     throw common::Error("joint equilibrium: no derivative without a stable equilibrium");
   }
-  saddle_.solve(f, g, x, y);
+  // The Hessian holds rho H^T H as well, which acts on x where H x = g is not zero.
+  const MatrixXd held = f + tied_->penalty() * (tied_->ties().rows.transpose() * g);
+  solver_->system().solve(held, g, *x, *y);
 }
 
 template class JointEquilibrium<2>;

@@ -124,7 +124,8 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eige
   const double slope = at.residual.dot(d);
   // Near the solution differences of the energy are rounding; slopes of it are not, and decide there instead
   // (approximate Wolfe conditions, Hager and Zhang 2005).
-  const double rounding = 1e-10 * (std::abs(at.elastic_energy) + std::abs(at.energy - at.elastic_energy));
+  const double rounding =
+      std::max(1e-10 * (std::abs(at.elastic_energy) + std::abs(at.energy - at.elastic_energy)), problem_.energyFloor());
   double length = 1;
   for (int trial = 0; trial < 40; ++trial, length *= 0.5) {
     const Eigen::VectorXd candidate = z + length * d;

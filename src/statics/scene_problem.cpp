@@ -104,7 +104,7 @@ class CompiledSceneOf : public CompiledScene {
     constexpr double PENALTY = 100, GAP = 1e-10;  // of the mean stiffness of a node, of a cell
     tied_ =
         std::make_unique<TiedProblem>(solid_, makeTies(solid_->solid().dofCount(), 1, equations, solid_->reduction()),
-                                      scene_.drive, PENALTY, GAP * scene_.cell_size);
+                                      scene_.drive, PENALTY * meanStiffness(*solid_), GAP * scene_.cell_size);
   }
 
   Eigen::VectorXd displacements(const Eigen::VectorXd& z, double p) const {

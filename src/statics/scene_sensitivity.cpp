@@ -30,7 +30,7 @@ SceneSensitivityOf<D>::SceneSensitivityOf(SensitivityParts<D> parts, const Equil
   if (parts_.tied != nullptr) driven = parts_.tied->ties().control.col(0);
   system_.solve(-load, driven, slope_, multiplier_slope_);
   if (parts_.tied == nullptr) return;
-  force_ = x_.multipliers + parts_.tied->penalty() * parts_.tied->ties().gap(x_.z, x_.p);
+  force_ = x_.multipliers + parts_.tied->penalty() * parts_.tied->gap(x_.z, x_.p);
   moveJoints();
 }
 

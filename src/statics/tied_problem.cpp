@@ -1,6 +1,9 @@
 #include "snapwing/statics/tied_problem.h"
 
+#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "snapwing/common/error.h"
@@ -17,6 +20,24 @@ Drive driveFromName(const std::string& name) {
 std::string driveName(Drive drive) {
   if (drive == Drive::ELIMINATION) return "elimination";
   return drive == Drive::MULTIPLIERS ? "multipliers" : "augmented_lagrangian";
+}
+
+RowRank rankOf(const ConstraintRows& rows, double threshold) {
+  RowRank result;
+  const auto count = rows.rows();
+  if (count == 0 || count > rows.cols()) return result;
+  // The singular values of C are those of the small triangle of C^T = Q R.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(rows).transpose());
+  const Eigen::MatrixXd R = qr.matrixQR().topRows(count).template triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(R, Eigen::ComputeFullV);
+  const Eigen::VectorXd& values = svd.singularValues();
+  result.smallest = values[0] > 0 ? values[count - 1] / values[0] : 0;
+  for (Eigen::Index k = 0; k < count; ++k) result.rank += values[k] > threshold * values[0] ? 1 : 0;
+  const Eigen::VectorXd last = svd.matrixV().col(count - 1);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (std::abs(last[k]) > 0.3 * last.cwiseAbs().maxCoeff()) result.culprits.push_back(static_cast<int>(k));
+  }
+  return result;
 }
 
 Eigen::VectorXd Ties::gap(const Eigen::VectorXd& z, const Eigen::VectorXd& p) const {
@@ -67,21 +88,25 @@ Ties makeTies(int dofs, int controls, const std::vector<Equation>& equations, co
   return ties;
 }
 
+double meanStiffness(const Problem& problem) {
+  Evaluation rest;
+  problem.evaluate(Eigen::VectorXd::Zero(problem.freeCount()), Eigen::VectorXd::Zero(problem.controlCount()),
+                   Order::TANGENT, rest);
+  double sum = 0;
+  for (int c = 0; c < problem.freeCount(); ++c) sum += rest.hessian[problem.pattern().start[c]];
+  return sum / std::max(problem.freeCount(), 1);
+}
+
 TiedProblem::TiedProblem(std::shared_ptr<const Problem> base, Ties ties, Drive drive, double penalty,
                          double gap_tolerance)
-    : base_(std::move(base)), multipliers_(Eigen::VectorXd::Zero(ties.count())) {
+    : base_(std::move(base)), multipliers_(Eigen::VectorXd::Zero(ties.count())), constant_(ties.constant) {
   auto shared = std::make_shared<Shared>();
   shared->ties = std::move(ties);
   shared->drive = drive;
   shared->gap_tolerance = gap_tolerance;
-  Evaluation rest;
-  base_->evaluate(Eigen::VectorXd::Zero(base_->freeCount()), Eigen::VectorXd::Zero(base_->controlCount()),
-                  Order::TANGENT, rest);
-  double sum = 0;
-  for (int c = 0; c < base_->freeCount(); ++c) sum += rest.hessian[base_->pattern().start[c]];
-  shared->rho = penalty * sum / std::max(base_->freeCount(), 1);
-  if (!(shared->rho > 0) || !(gap_tolerance > 0)) {
-    throw common::Error("penalty and gap_tolerance of ties are " + std::to_string(penalty) + " and " +
+  shared->rho = penalty;
+  if (!(penalty > 0) || !(gap_tolerance > 0)) {
+    throw common::Error("penalty and gap_tolerance of ties are " + std::to_string(penalty) + " N/m and " +
                         std::to_string(gap_tolerance) + " m; allowed: > 0, on a problem with stiffness");
   }
   buildPattern(*shared);
@@ -128,10 +153,14 @@ void TiedProblem::buildPattern(Shared& shared) const {
   }
 }
 
+Eigen::VectorXd TiedProblem::gap(const Eigen::VectorXd& z, const Eigen::VectorXd& p) const {
+  return shared_->ties.rows * z - shared_->ties.control * p - constant_;
+}
+
 void TiedProblem::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const {
   base_->evaluate(z, p, order, out);
   const Shared& s = *shared_;
-  const Eigen::VectorXd gap = s.ties.gap(z, p);
+  const Eigen::VectorXd gap = this->gap(z, p);
   out.energy += multipliers_.dot(gap) + 0.5 * s.rho * gap.squaredNorm();
   if (order == Order::ENERGY || !out.finite) return;
   const Eigen::VectorXd force = multipliers_ + s.rho * gap;

@@ -3,27 +3,21 @@
 
 #include <cmath>
 
+#include "linkage_example.h"
 #include "snapwing/common/error.h"
 #include "snapwing/design/wing_elastic_problem.h"
-#include "wing_example.h"
 
 namespace snapwing::design {
 namespace {
 
 using Eigen::Vector4d;
 
-constexpr double ARM_MODULUS = 5.5e6;  ///< [Pa] what "10 to 1e5 times stiffer than the arm" refers to
-
-WingBars barsOf(double modulus) {
-  WingBars bars = paperSettings().bars;
-  bars.youngs_modulus = modulus;
-  return bars;
+TestedRung solids(const SolidSettings& settings = {}) {
+  return [=](const FourBar& layout, const WingBars& bars) { return makeSolidLinkage(layout, bars, settings); };
 }
 
 ElasticState solved(const FourBar& layout, const WingBars& bars, double theta, const SolidSettings& settings = {}) {
-  const ElasticState state = makeSolidLinkage(layout, bars, settings)->solve(theta);
-  EXPECT_EQ(state.status, ElasticStatus::CONVERGED) << state.message;
-  return state;
+  return solvedOn(solids(settings), layout, bars, theta);
 }
 
 FourBar moved(const FourBar& layout, const Vector4d& by) {
@@ -113,45 +107,20 @@ TEST(SolidLinkage, BothSolversAgree) {
   SolidSettings augmented;
   augmented.solver = JointSolver::AUGMENTED_LAGRANGIAN;
   augmented.max_iterations = 400;
-  for (const double modulus : {1e2 * ARM_MODULUS, 3e9}) {
-    const ElasticState a = solved(paperDesign().linkage, barsOf(modulus), 0.93);
-    const ElasticState b = solved(paperDesign().linkage, barsOf(modulus), 0.93, augmented);
-    EXPECT_LT((a.q - b.q).cwiseAbs().maxCoeff(), 1e-8);
-    EXPECT_LT((a.forces - b.forces).norm(), 1e-3 * a.forces.norm());
-    EXPECT_GT(a.forces.norm(), 1e-3);
-  }
+  expectSameEquilibria(solids(), solids(augmented));
 }
 
-void expectLadder(const FourBar& layout, double theta, const SolidSettings& settings = {}) {
-  double last = 0;
-  for (const double factor : {1e1, 1e2, 1e3, 1e4, 1e5}) {
-    const ElasticState state = solved(layout, barsOf(factor * ARM_MODULUS), theta, settings);
-    EXPECT_TRUE(state.stable);
-    EXPECT_EQ(layout.branchOf(state.joint1, state.joint2), layout.branch());
-    const double error = (state.tip - poseAt(layout, theta)->tip).norm();
-    EXPECT_GT(error, 0);
-    if (last > 0) {
-      EXPECT_NEAR(last / error, 10, factor > 1e2 ? 0.5 : 4);  // first order in 1 / stiffness
-    }
-    last = error;
-  }
-  EXPECT_LT(last, 1e-6);
-}
-
-TEST(SolidLinkage, StiffnessLadderConvergesToTheRigidRung) {
-  for (const double theta : {0.3, 0.83, 0.93}) expectLadder(paperDesign().linkage, theta);
-  for (const FourBar& layout : randomFeasible(3, 0.93, 0.3, 17)) expectLadder(layout, 0.83);
-}
+TEST(SolidLinkage, StiffnessLadderConvergesToTheRigidRung) { expectLaddersOfPaperAndRandomLayouts(solids()); }
 
 TEST(SolidLinkage, JointOnACellsEdgeAndTwoJointsInOneCellAreSolved) {
   SolidSettings edge;
   edge.overhang = 0.1;  // 12 cells over 1.2 lengths: joints of coupler, edge and rocker on faces between cells
   edge.driver = 0.9;
-  expectLadder(paperDesign().linkage, 0.83, edge);
+  expectLadder(solids(edge), paperDesign().linkage, 0.83);
   SolidSettings one;
   one.cells_along = 1;  // both joints of each bar in one cell
   one.cells_across = 1;
-  expectLadder(paperDesign().linkage, 0.83, one);
+  expectLadder(solids(one), paperDesign().linkage, 0.83);
 }
 
 TEST(SolidLinkage, DependentJointsAreRefusedWithAReason) {
@@ -203,22 +172,7 @@ TEST(SolidLinkage, AgreesWithTheBeams) {
 }
 
 TEST(SolidLinkage, BarsThatDoNotReachStoreEnergyThatGrowsWithStiffness) {
-  FourBar bar = paperDesign().linkage;
-  bar.joint2 = {0.05, 0.0};
-  const TravelCheck check = checkTravel(bar, 2.0);
-  ASSERT_FALSE(check.closes);
-  std::vector<double> thetas;
-  for (double t = check.dead_point - 0.02; t < check.dead_point + 0.03; t += 0.005) thetas.push_back(t);
-  double energy[2];
-  for (int k = 0; k < 2; ++k) {
-    WingBars bars = barsOf(k == 0 ? 1e8 : 2e8);
-    bars.friction_moment = 0;
-    const auto states = makeSolidLinkage(bar, bars)->trace(thetas);
-    ASSERT_EQ(states.back().status, ElasticStatus::CONVERGED) << states.back().message;
-    energy[k] = states.back().energy;
-    EXPECT_LT(states.front().energy, 1e-3 * states.back().energy);
-  }
-  EXPECT_NEAR(energy[1] / energy[0], 2, 0.1);
+  expectEnergyThatGrowsWithStiffness(solids());
 }
 
 TEST(SolidWingProblem, GradientOfThePapersProblemMatchesDifferences) {

@@ -70,9 +70,9 @@ Rows rowsOf(const mpm::Discretisation<2>& solid, bool doubled) {
   return rows;
 }
 
-JointSettings settings(JointMethod method) {
+JointSettings settings(Drive drive) {
   JointSettings s;
-  s.method = method;
+  s.drive = drive;
   s.max_iterations = 300;
   s.force_tolerance = 1e-9;
   s.stiffness = 1e4;
@@ -90,13 +90,13 @@ TEST(JointEquilibrium, AgreesWithExactElimination) {
   Evaluation at;
   const NewtonResult eliminated = newton.solve(Eigen::VectorXd(), z, at);
   ASSERT_TRUE(eliminated.converged()) << eliminated.message;
-  for (const JointMethod method : {JointMethod::LAGRANGE, JointMethod::AUGMENTED_LAGRANGIAN}) {
-    JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(method));
+  for (const Drive drive : {Drive::MULTIPLIERS, Drive::AUGMENTED_LAGRANGIAN}) {
+    JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(drive));
     const JointResult result = kept.solve(none, rows.h, none);
     ASSERT_EQ(result.status, JointStatus::CONVERGED) << result.message;
     EXPECT_TRUE(result.stable);
     EXPECT_LT((result.u - at.displacements).cwiseAbs().maxCoeff(), 1e-9);
-    EXPECT_NEAR(result.assembly.energy, at.elastic_energy, 1e-6 * at.elastic_energy);
+    EXPECT_NEAR(result.at.elastic_energy, at.elastic_energy, 1e-6 * at.elastic_energy);
     EXPECT_GT(result.multipliers.norm(), 1e-3);
   }
   EXPECT_GT(at.displacements.norm(), 2e-4);
@@ -106,14 +106,14 @@ TEST(JointEquilibrium, RepeatedJointsAreRefusedByName) {
   const auto solid = strips();
   const Rows rows = rowsOf(*solid, true);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(solid->dofCount());
-  JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(JointMethod::LAGRANGE));
+  JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(Drive::MULTIPLIERS));
   const JointResult result = kept.solve(none, rows.h, none);
   EXPECT_EQ(result.status, JointStatus::RANK_DEFICIENT);
   EXPECT_NE(result.message.find("'joint 2 again'"), std::string::npos) << result.message;
   EXPECT_EQ(result.message.find("'hold'"), std::string::npos) << result.message;
   Eigen::MatrixXd x, y;
-  EXPECT_THROW(kept.solveTangent(result, none, rows.h, &x, &y), common::Error);
-  JointSettings bad = settings(JointMethod::LAGRANGE);
+  EXPECT_THROW(kept.solveTangent(result.at, none, rows.h, &x, &y), common::Error);
+  JointSettings bad = settings(Drive::MULTIPLIERS);
   bad.stiffness = 0;
   EXPECT_THROW(JointEquilibrium<2>(solid, rows.H, rows.names, bad), common::Error);
 }

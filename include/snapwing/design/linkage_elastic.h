@@ -25,7 +25,7 @@ struct ElasticSettings {
   int elements_per_bar = 6;      ///< 1 .. 200
   double overhang = 0.08;        ///< bars reach beyond a free joint by this share of their length; 0: joint on a node
   double driver_length = 0.060;  ///< [m] P lies this far inward of the axle; the arm as a straight bar
-  JointSolver solver = JointSolver::LAGRANGE;
+  JointSolver solver = JointSolver::MULTIPLIERS;
   int max_iterations = 60;
   std::vector<GroundPin> ground_pins;
   void validate() const;

@@ -19,7 +19,7 @@
 
 namespace snapwing::design {
 
-using JointSolver = statics::JointMethod;
+using JointSolver = statics::Drive;
 
 /// A further point held to ground; body 0 arm, 1 wing, 2 rocker; bar in the rung's order; fraction 0..1 along it.
 struct GroundPin {

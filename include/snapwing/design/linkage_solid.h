@@ -29,7 +29,7 @@ struct SolidSettings {
   double overhang = 0.08;                       ///< bars reach beyond a joint by this share of their length, > 0
   double driver = 0.8;                          ///< P lies this share of |X1| beyond the axle, > 0
   double grip = 0.06;                           ///< half length of d and of a friction couple, share of the bar
-  JointSolver solver = JointSolver::LAGRANGE;
+  JointSolver solver = JointSolver::MULTIPLIERS;
   int max_iterations = 60;
   int threads = 1;
   std::vector<GroundPin> ground_pins;  ///< bars: arm {0, 0}, coupler {1, 0}, edge {1, 1}, rocker {2, 0}

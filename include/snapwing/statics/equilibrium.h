@@ -43,9 +43,13 @@ class TangentSystem {
   int factorize(const std::vector<double>& hessian);
   /// Solves H z + C^T lambda = f, C z = g; `lambda` is empty without ties.
   void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& g, Eigen::VectorXd& z, Eigen::VectorXd& lambda) const;
+  /// The same for several right-hand sides, one a column.
+  void solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& g, Eigen::MatrixXd& z, Eigen::MatrixXd& lambda) const;
 
  private:
   int formSchur();
+  template <class Dense>
+  void solveAny(const Dense& f, const Dense& g, Dense& z, Dense& lambda) const;
 
   const Problem& problem_;
   Cholesky& cholesky_;
@@ -61,6 +65,10 @@ class EquilibriumSolver {
   /// The problem that is solved: differs from the given one in its multipliers only.
   const Problem& problem() const { return tied_ ? *tied_ : problem_; }
   int tieCount() const { return tied_ ? tied_->ties().count() : 0; }
+  /// Moves the places at which ties are held: e of TiedProblem [m]. Only with ties.
+  void setTieConstant(const Eigen::VectorXd& constant) { tied_->setConstant(constant); }
+  /// Tangent of an evaluation; holds the factor of the last one asked for, until the next equilibrium.
+  TangentSystem& system() { return system_; }
   /// The undeformed start at a control.
   Equilibrium start(const Eigen::VectorXd& z, double p) const;
   /// Minimises: ends at stable equilibria, however far, unless symmetry keeps it from it. `x` holds the first guess,

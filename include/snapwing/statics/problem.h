@@ -49,6 +49,8 @@ class Problem {
                               Eigen::VectorXd& control_part) const = 0;
   /// Smallest force that counts [N]: residuals below are zero.
   virtual double forceFloor() const = 0;
+  /// Smaller changes of the energy are rounding [J]; 0: judged by the energies themselves.
+  virtual double energyFloor() const { return 0; }
   /// Words for a place, e.g. "cell (3, 4) of body 0 at (...) m".
   virtual std::string describeCell(int cell) const = 0;
 };
@@ -67,6 +69,8 @@ class SolidProblem : public Problem {
 
   /// Nodal forces that act whatever the controls are [N], (dofs of the solid x 1): Pi is less by l^T u.
   void setDeadLoad(Eigen::VectorXd load) { dead_load_ = std::move(load); }
+  /// For stiff bodies that move far and store little: their cells' energies round at some 1e-15 E times the volume.
+  void setEnergyFloor(double floor) { energy_floor_ = floor; }
   /// l + L p [N], (dofs of the solid x 1).
   Eigen::VectorXd loadAt(const Eigen::VectorXd& p) const;
 
@@ -77,6 +81,7 @@ class SolidProblem : public Problem {
   void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                       Eigen::VectorXd& control_part) const override;
   double forceFloor() const override { return floor_; }
+  double energyFloor() const override { return energy_floor_; }
   std::string describeCell(int cell) const override;
 
   const mpm::Discretisation<D>& solid() const { return *solid_; }
@@ -94,6 +99,7 @@ class SolidProblem : public Problem {
   Eigen::VectorXd dead_load_;  ///< or empty
   int threads_;
   double floor_;
+  double energy_floor_ = 0;
   SparsePattern pattern_;
   /// Values of the reduced matrix: entry k is blocks[source_[k]] (or 0 if -1), then the few that mix are added.
   std::vector<int> source_;
