@@ -1,18 +1,15 @@
 // Method of moving asymptotes: K. Svanberg, Int. J. Numer. Meth. Engng 24 (1987) 359; globally convergent version:
 // SIAM J. Optim. 12 (2002) 555.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
-#include "snapwing/common/error.h"
+#include "optimizer_loop.h"
 #include "snapwing/design/mma_subproblem.h"
 #include "snapwing/design/optimizer.h"
 
 namespace snapwing::design {
 
 namespace {
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 class Mma : public Optimizer {
  public:
@@ -104,52 +101,12 @@ Eigen::VectorXd Mma::step(OptimizationProblem& problem, const OptimizerState& s,
 }
 
 OptimizerResult Mma::run(OptimizationProblem& problem, const OptimizerState& start) const {
-  const double begin = now();
-  OptimizerResult result;
-  OptimizerState& s = result.state;
-  s = start;
-  const Eigen::VectorXd lower = problem.lower(), upper = problem.upper(), range = upper - lower;
-  if (s.x.size() != problem.variableCount()) throw common::Error("optimizer: the start has the wrong size");
-  s.x = s.x.cwiseMax(lower).cwiseMin(upper);
+  const Eigen::VectorXd range = problem.upper() - problem.lower();
   Eigen::VectorXd rho = Eigen::VectorXd::Constant(problem.constraintCount() + 1, 1e-5);
-  const auto finish = [&](OptimizerStatus status, const std::string& message) {
-    result.status = status;
-    result.message = message;
-    result.seconds = now() - begin;
-    return result;
-  };
-  Evaluated at;
-  for (;; ++s.iteration) {
-    problem.beginIteration(s.iteration, settings_.iterations);
-    at = problem.evaluate(s.x, true);
-    ++result.evaluations;
-    for (int back = 0; !at.valid && back < 6 && s.x_old.size() > 0; ++back) {
-      s.x = 0.5 * (s.x + s.x_old);  // a step too far: go back towards what could be evaluated
-      at = problem.evaluate(s.x, true);
-      ++result.evaluations;
-    }
-    if (!at.valid) return finish(OptimizerStatus::EVALUATION_FAILED, at.message);
-    const double change = s.x_old.size() > 0 ? ((s.x - s.x_old).cwiseQuotient(range)).cwiseAbs().maxCoeff() : 1;
-    result.objective = at.objective;
-    result.violation = at.constraints.size() > 0 ? std::max(0.0, at.constraints.maxCoeff()) : 0;
-    result.history.push_back({s.iteration, at.objective, result.violation, change, now() - begin, at.constraints});
-    if (settings_.progress && settings_.progress(result.history.back(), s)) {
-      return finish(OptimizerStatus::CANCELLED, "cancelled");
-    }
-    const bool feasible = result.violation <= settings_.feasibility;
-    if (change < settings_.tolerance && feasible && s.iteration >= settings_.least_iterations) {
-      return finish(OptimizerStatus::CONVERGED, "");
-    }
-    if (s.iteration + 1 >= settings_.iterations) {
-      if (feasible) return finish(OptimizerStatus::ITERATION_LIMIT, "");
-      return finish(OptimizerStatus::INFEASIBLE, "largest violation " + std::to_string(result.violation));
-    }
-    moveAsymptotes(s, range);
-    const Eigen::VectorXd next = step(problem, s, at, rho, result);
-    s.x_older = s.x_old;
-    s.x_old = s.x;
-    s.x = next;
-  }
+  return iterate(settings_, problem, start, [&](const Evaluated& at, OptimizerResult& result) {
+    moveAsymptotes(result.state, range);
+    return step(problem, result.state, at, rho, result);
+  });
 }
 
 }  // namespace

@@ -1,16 +1,14 @@
 // NLopt's LD_MMA in stages: it knows no move limit, so each stage runs within x +- move.
 #include <algorithm>
-#include <chrono>
 #include <nlopt.hpp>
 
+#include "optimizer_loop.h"
 #include "snapwing/common/error.h"
 #include "snapwing/design/optimizer.h"
 
 namespace snapwing::design {
 
 namespace {
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// NLopt asks for values and constraints one by one: the last evaluation is kept.
 struct Cache {
@@ -62,42 +60,9 @@ class NloptMma : public Optimizer {
   }
 
   OptimizerResult run(OptimizationProblem& problem, const OptimizerState& start) const override {
-    const double begin = now();
-    OptimizerResult result;
-    OptimizerState& s = result.state;
-    s = start;
-    const Eigen::VectorXd lower = problem.lower(), upper = problem.upper(), range = upper - lower;
-    s.x = s.x.cwiseMax(lower).cwiseMin(upper);
-    const auto finish = [&](OptimizerStatus status, const std::string& message) {
-      result.status = status;
-      result.message = message;
-      result.seconds = now() - begin;
-      return result;
-    };
-    for (;; ++s.iteration) {
-      problem.beginIteration(s.iteration, settings_.iterations);
-      const Evaluated at = problem.evaluate(s.x, true);
-      ++result.evaluations;
-      if (!at.valid) return finish(OptimizerStatus::EVALUATION_FAILED, at.message);
-      const double change = s.x_old.size() > 0 ? (s.x - s.x_old).cwiseQuotient(range).cwiseAbs().maxCoeff() : 1;
-      result.objective = at.objective;
-      result.violation = at.constraints.size() > 0 ? std::max(0.0, at.constraints.maxCoeff()) : 0;
-      result.history.push_back({s.iteration, at.objective, result.violation, change, now() - begin, at.constraints});
-      if (settings_.progress && settings_.progress(result.history.back(), s)) {
-        return finish(OptimizerStatus::CANCELLED, "cancelled");
-      }
-      const bool feasible = result.violation <= settings_.feasibility;
-      if (change < settings_.tolerance && feasible && s.iteration >= settings_.least_iterations) {
-        return finish(OptimizerStatus::CONVERGED, "");
-      }
-      if (s.iteration + 1 >= settings_.iterations) {
-        return finish(feasible ? OptimizerStatus::ITERATION_LIMIT : OptimizerStatus::INFEASIBLE, "");
-      }
-      const Eigen::VectorXd next = stage(problem, s.x, at, result.evaluations);
-      s.x_older = s.x_old;
-      s.x_old = s.x;
-      s.x = next;
-    }
+    return iterate(settings_, problem, start, [&](const Evaluated& at, OptimizerResult& result) {
+      return stage(problem, result.state.x, at, result.evaluations);
+    });
   }
 
  private:
