@@ -128,23 +128,8 @@ void writeCsv(const std::string& path, const common::ForceTable& table) {
   common::writeFileAtomically(path, csvText(table));
 }
 
-void addCosts(const statics::ArmCurve& result, nlohmann::json& j) {
-  j["status"] = statics::statusName(result.status);
-  j["message"] = result.message;
-  j["iterations"] = result.iterations;
-  j["factorizations"] = result.factorizations;
-  j["projections"] = result.projections;
-  j["step_halvings"] = result.halvings;
-  j["seconds"] = {{"total", result.seconds},
-                  {"assembly", result.seconds_assembly},
-                  {"factorization", result.seconds_factor},
-                  {"solve", result.seconds_solve},
-                  {"analysis", result.seconds_analysis}};
-}
-
 nlohmann::json summarise(const statics::ArmCurve& curve) {
-  nlohmann::json j;
-  addCosts(curve, j);
+  nlohmann::json j = costsOf(curve);
   for (const auto& [key, value] : curve.table.provenance) j["provenance"][key] = value;
   addFeatures(curve.table, j);
   j["forces_are"] = "totals of all arms";

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "snapwing/common/force_table.h"
+#include "snapwing/statics/newton.h"
 
 namespace snapwing::tools {
 
@@ -36,6 +37,23 @@ class InterruptGuard {
 bool showProgress(const CurveOptions& options, double share, double control);
 bool endsWith(const std::string& text, const std::string& end);
 nlohmann::json orNull(double value);
+/// Outcome, counts and seconds of a path or of an arm's curve.
+template <class Result>
+nlohmann::json costsOf(const Result& result) {
+  nlohmann::json j;
+  j["status"] = statics::statusName(result.status);
+  j["message"] = result.message;
+  j["iterations"] = result.iterations;
+  j["factorizations"] = result.factorizations;
+  j["projections"] = result.projections;
+  j["step_halvings"] = result.halvings;
+  j["seconds"] = {{"total", result.seconds},
+                  {"assembly", result.seconds_assembly},
+                  {"factorization", result.seconds_factor},
+                  {"solve", result.seconds_solve},
+                  {"analysis", result.seconds_analysis}};
+  return j;
+}
 /// Peak, valley, zeros by interpolation in a table.
 void addFeatures(const common::ForceTable& table, nlohmann::json& j);
 

@@ -78,23 +78,6 @@ statics::Scene askedScene(const CurveOptions& options, std::optional<statics::Tr
   return scene;
 }
 
-nlohmann::json costs(const statics::PathResult& path) {
-  nlohmann::json j;
-  j["status"] = statics::statusName(path.status);
-  j["message"] = path.message;
-  j["iterations"] = path.iterations;
-  j["factorizations"] = path.factorizations;
-  j["projections"] = path.projections;
-  j["step_halvings"] = path.halvings;
-  j["seconds"] = {{"total", path.seconds},
-                  {"assembly", path.seconds_assembly},
-                  {"factorization", path.seconds_factor},
-                  {"solve", path.seconds_solve},
-                  {"analysis", path.seconds_analysis}};
-  if (!path.account.empty()) j["account"] = path.account;
-  return j;
-}
-
 void addModel(const statics::Scene& scene, const statics::CompiledScene& compiled, nlohmann::json& j) {
   j["scene"] = scene.name;
   j["rung"] = scene.dimension == 2 ? "planar" : "volumetric";
@@ -154,7 +137,8 @@ void addLocated(const statics::CompiledScene& compiled, const statics::NewtonSet
 
 nlohmann::json summarise(const statics::Scene& scene, const statics::CompiledScene& compiled,
                          const statics::NewtonSettings& newton, const statics::SceneCurve& curve) {
-  nlohmann::json j = costs(curve.path);
+  nlohmann::json j = costsOf(curve.path);
+  if (!curve.path.account.empty()) j["account"] = curve.path.account;
   addModel(scene, compiled, j);
   const bool whole = curve.path.status == statics::SolveStatus::CONVERGED;
   if (scene.control_is_length && curve.monotone()) addFeatures(curve.table(), j);

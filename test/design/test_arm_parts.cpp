@@ -5,17 +5,10 @@
 
 #include "snapwing/design/arm_parts.h"
 #include "snapwing/design/design_scene.h"
+#include "support/example_arm.h"
 
 namespace snapwing::design {
 namespace {
-
-common::ArmSettings armSettings() {
-  common::ArmSettings arm;
-  arm.count = 4, arm.domain_length = 0.08, arm.domain_height = 0.04;
-  arm.leg_width = arm.bar_height = 0.02, arm.leg_thickness = 0.005, arm.bar_thickness = 0.01;
-  arm.pin_x = 0.078, arm.pin_y = 0.002, arm.clamp_y_low = 0.02, arm.clamp_y_high = 0.04;
-  return arm;
-}
 
 Loop rectangle(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
 Loop reversed(Loop loop) { return {loop.rbegin(), loop.rend()}; }
@@ -29,7 +22,7 @@ TEST(ArmShape, DistanceAreaAndHoles) {
 }
 
 TEST(ArmShape, CoverFollowsTheAreaAndTheOffset) {
-  const mpm::DensityField domain = armDomain(armSettings(), 0.001, 0);
+  const mpm::DensityField domain = armDomain(testing::exampleArm(), 0.001, 0);
   const ArmShape shape({rectangle(0.0103, 0.0042, 0.0507, 0.0156)});
   for (const double offset : {-0.0002, 0.0, 0.0002}) {
     const mpm::DensityField field = shape.cover(domain, offset, 3, 0.02, 0.01);
@@ -41,7 +34,7 @@ TEST(ArmShape, CoverFollowsTheAreaAndTheOffset) {
 }
 
 TEST(ArmShape, IslandsAreDropped) {
-  mpm::DensityField field = armDomain(armSettings(), 0.001, 0);
+  mpm::DensityField field = armDomain(testing::exampleArm(), 0.001, 0);
   for (int j = 2; j < 12; ++j) {
     for (int i = 5; i < 60; ++i) field.value[static_cast<std::size_t>(j) * 80 + i] = i < 40 || i > 45 ? 1 : 0;
   }
@@ -52,7 +45,7 @@ TEST(ArmShape, IslandsAreDropped) {
 }
 
 TEST(ExtrudeArm, VolumeOfASteppedBlockAndWatertight) {
-  const common::ArmSettings arm = armSettings();
+  const common::ArmSettings arm = testing::exampleArm();
   // Crosses the step between the thicknesses, with holes on each side and across it.
   const ArmShape shape({rectangle(0.0103, 0.0022, 0.0507, 0.0186), reversed(rectangle(0.0121, 0.0051, 0.0149, 0.0078)),
                         reversed(rectangle(0.0181, 0.0101, 0.0249, 0.0133)),
@@ -69,7 +62,7 @@ TEST(ExtrudeArm, VolumeOfASteppedBlockAndWatertight) {
 }
 
 TEST(ExtrudeArm, AHoleInTheMeshIsSeen) {
-  SolidMesh mesh = extrudeArm(armSettings(), ArmShape({rectangle(0.0103, 0.0042, 0.0507, 0.0156)}), 0.001);
+  SolidMesh mesh = extrudeArm(testing::exampleArm(), ArmShape({rectangle(0.0103, 0.0042, 0.0507, 0.0156)}), 0.001);
   ASSERT_TRUE(mesh.watertight());
   SolidMesh turned = mesh;
   std::swap(turned.triangles[5][0], turned.triangles[5][1]);
@@ -80,7 +73,7 @@ TEST(ExtrudeArm, AHoleInTheMeshIsSeen) {
 
 TEST(Drawings, StlHasItsTrianglesAndDxfItsEnd) {
   const ArmShape shape({rectangle(0.0103, 0.0042, 0.0507, 0.0156)});
-  const SolidMesh mesh = extrudeArm(armSettings(), shape, 0.001);
+  const SolidMesh mesh = extrudeArm(testing::exampleArm(), shape, 0.001);
   EXPECT_EQ(stlOf(mesh, "arm").size(), 84 + 50 * mesh.triangles.size());
   const std::string dxf = dxfOf(shape.loops(), {{0.078, 0.002, 0.0015}});
   EXPECT_NE(dxf.find("50.7"), std::string::npos);  // millimetres

@@ -8,6 +8,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/statics/arm_problem.h"
+#include "support/example_arm.h"
 
 namespace snapwing::statics {
 namespace {
@@ -34,22 +35,7 @@ std::vector<Row> reference() {
   return rows;
 }
 
-common::ArmSettings armSettings() {
-  common::ArmSettings arm;
-  arm.count = 4;
-  arm.domain_length = 0.08;
-  arm.domain_height = 0.04;
-  arm.leg_width = arm.bar_height = 0.02;
-  arm.leg_thickness = 0.005;
-  arm.bar_thickness = 0.01;
-  arm.pin_x = 0.078;
-  arm.pin_y = 0.002;
-  arm.clamp_y_low = 0.02;
-  arm.clamp_y_high = 0.04;
-  return arm;
-}
-
-ArmProblem makeArm(const ArmProblemSettings& settings, const common::ArmSettings& arm = armSettings()) {
+ArmProblem makeArm(const ArmProblemSettings& settings, const common::ArmSettings& arm = testing::exampleArm()) {
   const mpm::DensityField design = mpm::loadDensityCsv(SOURCE + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
   return ArmProblem(arm, {5.5e6, 0.48, 1210}, design, settings);
 }
@@ -138,10 +124,10 @@ TEST(Arm, OneHugeStepEndsWithAnAnswerOrAReason) {
 }
 
 TEST(Arm, RefusesPinOutsideAndEmptyClamp) {
-  common::ArmSettings arm = armSettings();
+  common::ArmSettings arm = testing::exampleArm();
   arm.pin_x = 0.09;
   EXPECT_THROW(makeArm({}, arm), common::Error);
-  arm = armSettings();
+  arm = testing::exampleArm();
   arm.clamp_y_low = 0.05;
   arm.clamp_y_high = 0.06;
   EXPECT_THROW(makeArm({}, arm), common::Error);

@@ -6,22 +6,14 @@
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/sensitivity.h"
 #include "support/derivative_check.h"
+#include "support/example_arm.h"
 
 namespace snapwing::statics {
 namespace {
 
 common::ArmSettings armSettings() {
-  common::ArmSettings arm;
+  common::ArmSettings arm = testing::exampleArm();
   arm.count = 1;
-  arm.domain_length = 0.08;
-  arm.domain_height = 0.04;
-  arm.leg_width = arm.bar_height = 0.02;
-  arm.leg_thickness = 0.005;
-  arm.bar_thickness = 0.01;
-  arm.pin_x = 0.078;
-  arm.pin_y = 0.002;
-  arm.clamp_y_low = 0.02;
-  arm.clamp_y_high = 0.04;
   return arm;
 }
 
