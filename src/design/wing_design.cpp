@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
+#include "wing_local_search.h"
 
 namespace snapwing::design {
 
@@ -109,7 +110,8 @@ void assess(const WingSettings& s, WingDesign* d) {
   if (!walls) d->message += "; joints outside the walls or closer than the separation";
 }
 
-WingDesign designWing(const WingProblem& problem, const std::function<bool(const WingProgress&)>& go_on) {
+WingDesign designWing(const WingProblem& problem, const std::function<bool(const WingProgress&)>& go_on,
+                      const std::function<bool()>& cancelled) {
   const auto begin = std::chrono::steady_clock::now();
   const WingSettings& s = problem.settings();
   s.validate();
@@ -118,13 +120,15 @@ WingDesign designWing(const WingProblem& problem, const std::function<bool(const
   design.samples = s.samples;
   WingProgress progress;
   progress.runs = s.starts;
+  const auto halted = [&] {
+    design.status = WingStatus::CANCELLED;
+    design.message = "cancelled after " + std::to_string(design.runs) + " local runs";
+    return design;
+  };
   for (const Vector4d& start : sampleLayouts(rigid, s.samples, s.starts, static_cast<unsigned>(s.seed))) {
-    if (go_on && !go_on(progress)) {
-      design.status = WingStatus::CANCELLED;
-      design.message = "cancelled after " + std::to_string(design.runs) + " local runs";
-      return design;
-    }
-    const LocalResult run = improve(problem, start);
+    if (go_on && !go_on(progress)) return halted();
+    const LocalResult run = improve(problem, start, cancelled);
+    if (run.stop == CANCELLED_RUN) return halted();
     ++design.runs;
     design.evaluations += run.evaluations;
     progress.run = design.runs;

@@ -10,6 +10,8 @@ namespace snapwing::design {
 using Eigen::Vector4d;
 
 const WingEvaluation* WingRun::at(const Vector4d& X) {
+  halted_ = halted_ || (cancelled_ && cancelled_());
+  if (halted_) return nullptr;
   if (best_.evaluations == 0 || X != X_) {
     X_ = X;
     last_ = problem_.evaluate(X, true);
@@ -92,10 +94,10 @@ std::string runNlopt(const WingProblem& problem, nlopt::algorithm algorithm, std
 
 }  // namespace
 
-LocalResult improve(const WingProblem& problem, const Vector4d& X) {
+LocalResult improve(const WingProblem& problem, const Vector4d& X, const std::function<bool()>& cancelled) {
   const Vector4d inside = X.cwiseMax(problem.low()).cwiseMin(problem.high());
   const std::string& name = problem.settings().optimizer;
-  WingRun run(problem);
+  WingRun run(problem, cancelled);
   std::string stop;
   if (name == "own_mma") {
     stop = runOwnMma(problem, inside, &run);
@@ -104,7 +106,7 @@ LocalResult improve(const WingProblem& problem, const Vector4d& X) {
     stop = runNlopt(problem, name == "nlopt_mma" ? nlopt::LD_MMA : nlopt::LD_SLSQP, {y[0], y[1], y[2], y[3]}, &run);
   }
   LocalResult result = run.best();
-  result.stop = stop;
+  result.stop = run.halted() ? CANCELLED_RUN : stop;
   return result;
 }
 

@@ -85,13 +85,16 @@ void WingDesigner::publish(const ros::Publisher& to, const design::WingLayout& l
 OptimizeDesignResult WingDesigner::run(const DesignJob& job) {
   const design::WingSettings settings = design::loadWingSettings(job.settings_file);
   OptimizeDesignResult result;
-  result.inputs_sha256 = design::wingHash(settings, design::WingRung::RIGID);
+  const design::WingRung rung = design::wingRungOf(settings.rung);
+  result.inputs_sha256 = design::wingHash(settings, rung);
   result.folder = (std::filesystem::path(job.store_folder) / result.inputs_sha256).string();
   std::optional<design::WingOutcome> outcome;
   if (!job.goal.recompute) outcome = design::loadWingOutcome(settings, result.folder);
   if (!outcome) {
     design::WingJob wing_job;
     wing_job.folder = result.folder;
+    wing_job.rung = rung;
+    wing_job.cancelled = job.preempted;
     wing_job.go_on = [&job](const design::WingProgress& p) {
       job.feedback(feedbackOf(p));
       return !job.preempted();
@@ -107,6 +110,7 @@ OptimizeDesignResult WingDesigner::run(const DesignJob& job) {
   result.objective = result.verdict ? design.objective : std::numeric_limits<double>::quiet_NaN();
   result.violation = result.verdict ? 0 : std::numeric_limits<double>::quiet_NaN();
   result.iterations = static_cast<std::uint32_t>(design.evaluations);
+  if (result.verdict && !outcome->stack.found) result.message += "; no layers: " + outcome->stack.message;
   if (result.verdict) publish(designed_, outcome->layout, result.folder + "/wing_table.h5");
   return result;
 }

@@ -150,6 +150,25 @@ TEST(WingBladeInertia, CoupledMassIsTheMotionOfTheCentre) {
   }
 }
 
+TEST(WingOutcome, TheStoredObjectiveIsThatOfItsRung) {
+  WingSettings settings = paperSettings();
+  settings.samples = 4000;
+  settings.starts = 1;
+  settings.compliance_weight = 1e4;  // so that the rungs' objectives differ
+  WingJob job;
+  job.rung = WingRung::BEAMS;
+  job.points = 21;
+  job.folder = testing::TempDir() + "wing_outcome_beams";
+  const WingOutcome made = designWingInto(settings, job);
+  ASSERT_EQ(made.design.status, WingStatus::DESIGNED) << made.design.message;
+  const auto found = loadWingOutcome(settings, job.folder);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->layout.rung, "elastic");
+  EXPECT_NEAR(found->design.objective, made.design.objective, 1e-9 * made.design.objective);
+  const Eigen::Vector4d X = variablesOf(found->layout.linkage);
+  EXPECT_GT(made.design.objective, 1.001 * RigidWingProblem(settings).evaluate(X, false).objective);
+}
+
 TEST(WingClearance, FallsWhereThePropellersGrow) {
   const WingSettings settings = paperSettings();
   common::Vehicle vehicle = common::loadVehicle(settings.vehicle_file);
@@ -218,6 +237,19 @@ TEST(WingDesign, CanBeCancelled) {
   EXPECT_EQ(design.runs, 2);
 }
 
+TEST(WingDesign, CanBeCancelledWithinARun) {
+  WingSettings settings = paperSettings();
+  settings.samples = 2000;
+  for (const char* optimizer : {"nlopt_slsqp", "nlopt_mma", "own_mma"}) {
+    settings.optimizer = optimizer;
+    int asked = 0;
+    const WingDesign design = designWing(RigidWingProblem(settings), nullptr, [&] { return ++asked > 5; });
+    EXPECT_EQ(design.status, WingStatus::CANCELLED) << optimizer;
+    EXPECT_EQ(design.runs, 0);
+    EXPECT_LE(asked, 6);
+  }
+}
+
 WingSettings withText(const std::string& from, const std::string& to) {
   std::string text = common::readFile(paperFile());
   const auto at = text.find(from);
@@ -235,7 +267,11 @@ TEST(WingSettings, MistakesAreNamed) {
   EXPECT_THROW(withText("{arm_rotation: 0.93,", "{arm_rotation: 0.80,"), common::SettingError);
   EXPECT_THROW(withText("{arm_rotation: 0.93,", "{arm_rotation: 1.50,"), common::Error);
   EXPECT_THROW(withText("travel: [0.0, 0.052, 0.070]", "travel: [0.0, 0.072, 0.070]"), common::Error);
+  EXPECT_THROW(withText("targets:", "rung: steel\ntargets:"), common::SettingError);
+  EXPECT_THROW(withText("targets:", "layers: {most_layers: 9}\ntargets:"), common::SettingError);
   EXPECT_NO_THROW(withText("tip_radius: 0.100", "tip_radius: 0.110"));
+  EXPECT_EQ(withText("targets:", "rung: solid\ntargets:").rung, "solid");
+  EXPECT_EQ(withText("targets:", "layers: {gap: 0.002}\ntargets:").stack.gap, 0.002);
 }
 
 TEST(ArmMotion, PassesThroughItsPointsAndItsSlopeIsItsDerivative) {

@@ -8,6 +8,7 @@ import unittest
 import actionlib
 import rospy
 import rostest
+import yaml
 from actionlib_msgs.msg import GoalStatus
 
 from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, OptimizeDesignAction, OptimizeDesignFeedback,
@@ -77,6 +78,39 @@ class Design(unittest.TestCase):
         self.assertEqual((again.folder, again.verdict), (first.folder, first.verdict))
         self.assertAlmostEqual(again.objective, first.objective, delta=1e-9)
         self.assertEqual(self.ask("wing_closed.yaml", OptimizeDesignGoal.WING).code, OptimizeDesignResult.INFEASIBLE)
+
+    def small_wing_on(self, rung):
+        """A file like wing_small.yaml with another rung and a single local run."""
+        folder = rospy.get_param("design_node/designs_folder")
+        with open(os.path.join(folder, "wing_small.yaml"), encoding="utf-8") as file:
+            settings = yaml.safe_load(file)
+        settings["vehicle"] = os.path.abspath(os.path.join(folder, settings["vehicle"]))
+        settings["rung"] = rung
+        settings["search"]["starts"] = 1
+        path = os.path.join(os.path.dirname(self.store), f"wing_{rung}.yaml")
+        with open(path, "w", encoding="utf-8") as file:
+            yaml.safe_dump(settings, file)
+        return path
+
+    def test_the_settings_choose_the_wings_rung(self):
+        folders = set()
+        for rung in ("rigid", "elastic", "solid"):
+            result = self.ask(self.small_wing_on(rung), OptimizeDesignGoal.WING)
+            self.assertEqual(result.code, OptimizeDesignResult.SUCCEEDED, result.message)
+            self.assertTrue(result.targets_met)
+            self.assertGreaterEqual(len(self.feedback), 1)
+            wing = rospy.wait_for_message("designed/wing_geometry", WingGeometry, timeout=10)
+            self.assertEqual(wing.rung, rung)
+            folders.add(result.folder)
+        self.assertEqual(len(folders), 3)
+
+    def test_a_wing_on_solids_is_preempted_within_its_run(self):
+        # Its only feedback comes before its only run: the goal ends before the run does.
+        halted = self.ask(self.small_wing_on("solid"), OptimizeDesignGoal.WING,
+                          after_feedback=lambda f: self.client.cancel_goal())
+        self.assertEqual(self.client.get_state(), GoalStatus.PREEMPTED)
+        self.assertEqual(halted.code, OptimizeDesignResult.PREEMPTED, halted.message)
+        self.assertIn("after 0 local runs", halted.message)
 
     def test_bad_input_is_named(self):
         missing = self.ask("no_such_file.yaml")

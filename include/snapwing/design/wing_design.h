@@ -55,8 +55,9 @@ struct WingDesign {
 /// Random layouts that close over the travel, best penalised objective first. @param count  how many to return
 std::vector<Eigen::Vector4d> sampleLayouts(const WingProblem& problem, int samples, int count, unsigned seed);
 
-/// One local run from X with the settings' optimiser.
-LocalResult improve(const WingProblem& problem, const Eigen::Vector4d& X);
+/// One local run from X with the settings' optimiser. @param cancelled  asked at each evaluation; true ends the run
+LocalResult improve(const WingProblem& problem, const Eigen::Vector4d& X,
+                    const std::function<bool()>& cancelled = nullptr);
 
 /// Where a design stands between two local runs.
 struct WingProgress {
@@ -66,7 +67,9 @@ struct WingProgress {
 };
 
 /// @param go_on  called between local runs; false cancels
-WingDesign designWing(const WingProblem& problem, const std::function<bool(const WingProgress&)>& go_on = nullptr);
+/// @param cancelled  asked at each evaluation of a run; true cancels
+WingDesign designWing(const WingProblem& problem, const std::function<bool(const WingProgress&)>& go_on = nullptr,
+                      const std::function<bool()>& cancelled = nullptr);
 
 /// Fills states, travel check and wall distances of a layout (rigid bars), and the status that follows from them.
 void assess(const WingSettings& settings, WingDesign* design);
