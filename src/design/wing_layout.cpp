@@ -88,6 +88,21 @@ void writeResults(std::ostream& out, const WingSettings& s, const WingDesign& d)
   }
 }
 
+/// Under "results": what the layers are, or why there are none.
+void writeLayers(std::ostream& out, const StackPlan& stack) {
+  out << "  layers:  # from the ring outward; z of lower faces and pins' ends over the ring's side [m]\n";
+  out << "    found: " << (stack.found ? "true" : "false") << "\n    message: \"" << stack.message << "\"\n";
+  if (!stack.found) return;
+  out << "    pieces:\n";
+  for (const PlacedPiece& p : stack.pieces) {
+    out << "      - {name: " << p.name << ", layer: " << p.layer << ", z: " << p.z << "}\n";
+  }
+  out << "    pins:\n";
+  for (const PlacedPin& p : stack.pins) {
+    out << "      - {name: " << p.name << ", from: " << p.low << ", to: " << p.high << "}\n";
+  }
+}
+
 void demand(bool good, const std::string& what, double value, const std::string& allowed) {
   if (!good) throw common::Error("wing: " + what + " is " + std::to_string(value) + "; allowed: " + allowed);
 }
@@ -123,7 +138,8 @@ WingLayout layoutOf(const WingSettings& s, const WingDesign& d, const common::Ve
   return w;
 }
 
-void saveWing(const WingLayout& w, const WingSettings& s, const WingDesign& d, const std::string& path) {
+void saveWing(const WingLayout& w, const WingSettings& s, const WingDesign& d, const StackPlan& stack,
+              const std::string& path) {
   std::ostringstream out;
   out << std::setprecision(17) << std::showpoint;
   out << "# A designed wing. Frame: origin at the arm's axle, x outward, y up; SI and radians.\n";
@@ -137,6 +153,7 @@ void saveWing(const WingLayout& w, const WingSettings& s, const WingDesign& d, c
   writeFields(out, "bars", w.bars);
   writeFields(out, "blade", w.blade);
   writeResults(out, s, d);
+  writeLayers(out, stack);
   out << "provenance:\n  snapwing_version: \"" << common::version() << "\"\n";
   if (!s.file.empty()) out << "  settings_sha256: \"" << common::sha256OfFile(s.file) << "\"\n";
   out << "  arm_motion: \"" << s.motion->source() << "\"\n";

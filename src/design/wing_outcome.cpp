@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
@@ -16,11 +17,6 @@ constexpr double TIP_TOLERANCE = 0.010;      ///< [m]
 
 LinkageFactory elasticRung(WingRung rung, const WingBars& bars) {
   return rung == WingRung::SOLIDS ? solidRung(bars) : beamRung(bars);
-}
-
-WingDesign designOn(const WingSettings& s, const WingJob& job) {
-  if (job.rung == WingRung::RIGID) return designWing(RigidWingProblem(s), job.go_on);
-  return designWing(ElasticWingProblem(s, elasticRung(job.rung, s.bars)), job.go_on);
 }
 
 /// Elastic bars over the table's travel fill the stored energy.
@@ -44,7 +40,7 @@ bool meetsTargets(const WingDesign& d) {
 }
 
 /// What follows from layout and table.
-void weigh(const common::Vehicle& vehicle, WingOutcome* o) {
+void weigh(const WingSettings& s, const common::Vehicle& vehicle, WingOutcome* o) {
   const WingBlade blade(o->layout);
   o->panel_angle = blade.panelAngle();
   o->mass = blade.massAt(*blade.poseAt(0, WingSide::LEFT)).mass;
@@ -53,6 +49,7 @@ void weigh(const common::Vehicle& vehicle, WingOutcome* o) {
     o->friction_work += 0.5 * (t.travel[i] - t.travel[i - 1]) * (t.friction_force[i] + t.friction_force[i - 1]);
   }
   o->clearance = clearanceOf(blade, vehicle);
+  o->stack = planStack(stackOf(o->layout), s.stack);
   o->targets_met = meetsTargets(o->design);
 }
 
@@ -69,10 +66,15 @@ const char* nameOf(WingRung rung) {
   return rung == WingRung::RIGID ? "rigid" : rung == WingRung::BEAMS ? "elastic" : "solid";
 }
 
+std::unique_ptr<WingProblem> makeWingProblem(const WingSettings& s, WingRung rung) {
+  if (rung == WingRung::RIGID) return std::make_unique<RigidWingProblem>(s);
+  return std::make_unique<ElasticWingProblem>(s, elasticRung(rung, s.bars));
+}
+
 WingOutcome designWingInto(const WingSettings& s, const WingJob& job) {
   WingOutcome o;
   o.folder = job.folder;
-  o.design = designOn(s, job);
+  o.design = designWing(*makeWingProblem(s, job.rung), job.go_on, job.cancelled);
   if (o.design.status != WingStatus::DESIGNED) return o;
   const common::Vehicle vehicle = common::loadVehicle(s.vehicle_file);
   o.layout = layoutOf(s, o.design, vehicle, nameOf(job.rung));
@@ -84,14 +86,14 @@ WingOutcome designWingInto(const WingSettings& s, const WingJob& job) {
   o.table.provenance["settings_sha256"] = common::sha256OfFile(s.file);
   compare(s, job.rung, &o);
   addBlade(WingBlade(o.layout), *s.motion, &o.table);
-  weigh(vehicle, &o);
+  weigh(s, vehicle, &o);
   if (std::filesystem::exists(vehicle.arm.table_file)) {
     o.barrier_back = common::curveFeatures(common::loadForceTable(vehicle.arm.table_file)).barrier_back;
   }
   const std::filesystem::path folder(job.folder);
   std::filesystem::create_directories(folder);
-  saveWing(o.layout, s, o.design, (folder / "wing.yaml").string());
-  saveParts(o.layout, (folder / "parts").string());
+  saveWing(o.layout, s, o.design, o.stack, (folder / "wing.yaml").string());
+  saveParts(o.layout, o.stack, (folder / "parts").string());
   saveWingTable(o.table, (folder / "wing_table.h5").string());
   return o;
 }
@@ -114,8 +116,9 @@ std::optional<WingOutcome> loadWingOutcome(const WingSettings& s, const std::str
   o.design.linkage = o.layout.linkage;
   assess(s, &o.design);
   const Eigen::Vector2d &X1 = o.layout.linkage.joint1, &X2 = o.layout.linkage.joint2;
-  o.design.objective = RigidWingProblem(s).evaluate({X1.x(), X1.y(), X2.x(), X2.y()}, false).objective;
-  weigh(common::loadVehicle(s.vehicle_file), &o);
+  const auto problem = makeWingProblem(s, wingRungOf(o.layout.rung));
+  o.design.objective = problem->evaluate({X1.x(), X1.y(), X2.x(), X2.y()}, false).objective;
+  weigh(s, common::loadVehicle(s.vehicle_file), &o);
   return o;
 }
 

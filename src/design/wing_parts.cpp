@@ -19,6 +19,7 @@ namespace {
 
 constexpr double EDGE_PLATE = 0.040;  ///< [m] overlap with the rod, at most half the leading edge
 constexpr double MM = 1e3;
+constexpr double STEEL = 7850;  ///< [kg/m3]
 
 void check(const FlatBar& bar) {
   const bool good = bar.width > 0 && bar.thickness > 0 && bar.hole_diameter > 0 && bar.hole_diameter < bar.width &&
@@ -111,12 +112,32 @@ void entity(std::ostream& out, const char* kind) {
   code(out, 8, std::string("CUT"));
 }
 
-std::string row(const std::string& name, int count, double length, double width, double thickness, double hole,
-                double mass, const std::string& use) {
+std::string row(const WingPart& part, double mass, const StackPlan& plan) {
   char text[200];
-  std::snprintf(text, sizeof text, ",%d,%.2f,%.2f,%.2f,%.2f,%.2f,", count, MM * length, MM * width, MM * thickness,
-                MM * hole, 1e3 * mass);
-  return name + text + use + "\n";
+  const FlatBar& b = part.bar;
+  std::snprintf(text, sizeof text, ",%d,%.2f,%.2f,%.2f,%.2f,%.2f,", part.count, MM * b.length, MM * b.width,
+                MM * b.thickness, MM * b.hole_diameter, 1e3 * mass);
+  const PlacedPiece* piece = plan.find(part.name);
+  char place[40] = ",,";
+  if (piece != nullptr) std::snprintf(place, sizeof place, "%d,%.2f,", piece->layer, MM * piece->z);
+  return part.name + text + place + part.use + "\n";
+}
+
+/// Pins of steel. One that the ring holds reaches into it by the thickness of a bar.
+std::string pinRows(const WingLayout& w, const StackPlan& plan) {
+  const double d = w.bars.pin_diameter;
+  const auto pin = [&](const std::string& name, int count, double length, const std::string& use) {
+    return row({name, {length, d, d, 0}, count, use}, STEEL * M_PI / 4 * d * d * length, plan);
+  };
+  if (!plan.found) return pin("pin", 8, 3 * w.bars.thickness, "steel; axle, auxiliary, X1, X2 of both wings");
+  std::string rows;
+  for (const PlacedPin& p : plan.pins) {
+    char use[120];
+    std::snprintf(use, sizeof use, "steel; from %.2f to %.2f mm%s", MM * p.low, MM * p.high,
+                  p.grounded ? " and into the ring" : "");
+    rows += pin("pin_" + p.name, 2, p.high - p.low + (p.grounded ? w.bars.thickness : 0), use);
+  }
+  return rows;
 }
 
 }  // namespace
@@ -196,20 +217,18 @@ std::string dxfOf(const FlatBar& bar) {
   return out.str();
 }
 
-std::string partList(const WingLayout& w) {
-  std::string out = "part,count,length_mm,width_mm,thickness_mm,hole_mm,mass_each_g,use\n";
+std::string partList(const WingLayout& w, const StackPlan& plan) {
+  std::string out = "part,count,length_mm,width_mm,thickness_mm,hole_mm,mass_each_g,layer,z_mm,use\n";
   for (const WingPart& part : partsOf(w)) {
-    const double mass = w.bars.mass_density * meshOf(part.bar).volume();
-    out += row(part.name, part.count, part.bar.length, part.bar.width, part.bar.thickness, part.bar.hole_diameter, mass,
-               part.use);
+    out += row(part, w.bars.mass_density * meshOf(part.bar).volume(), plan);
   }
   const double edge = (w.linkage.tip - w.linkage.joint2).norm(), d = w.blade.rod_diameter;
-  out += row("leading_edge_rod", 2, edge, d, d, 0, w.blade.rod_density * M_PI / 4 * d * d * edge,
-             "carbon rod from joint X2 to the tip");
-  out += row("rib", 4, edge, w.blade.rib_width, w.blade.rib_thickness, w.bars.pin_diameter,
-             w.blade.rib_density * w.blade.rib_width * w.blade.rib_thickness * edge, "under panels two and three");
-  const double pin = 3 * w.bars.thickness, p = w.bars.pin_diameter;
-  out += row("pin", 8, pin, p, p, 0, 7850 * M_PI / 4 * p * p * pin, "steel; axle, auxiliary, X1, X2 of both wings");
+  out += row({LEADING_EDGE_ROD, {edge, d, d, 0}, 2, "carbon rod from joint X2 to the tip"},
+             w.blade.rod_density * M_PI / 4 * d * d * edge, plan);
+  const WingBladeSettings& b = w.blade;
+  out += row({"rib", {edge, b.rib_width, b.rib_thickness, w.bars.pin_diameter}, 4, "under panels two and three"},
+             b.rib_density * b.rib_width * b.rib_thickness * edge, plan);
+  out += pinRows(w, plan);
   char place[120];
   const Vector2d arm = w.linkage.joint2 - w.linkage.joint1, lead = w.linkage.tip - w.linkage.joint2;
   const double angle = std::atan2(arm.x() * lead.y() - arm.y() * lead.x(), arm.dot(lead));
@@ -218,14 +237,14 @@ std::string partList(const WingLayout& w) {
   return out + place;
 }
 
-void saveParts(const WingLayout& layout, const std::string& folder) {
+void saveParts(const WingLayout& layout, const StackPlan& plan, const std::string& folder) {
   const std::filesystem::path root(folder);
   std::filesystem::create_directories(root);
   for (const WingPart& part : partsOf(layout)) {
     common::writeFileAtomically((root / (part.name + ".stl")).string(), stlOf(meshOf(part.bar), part.name));
     common::writeFileAtomically((root / (part.name + ".dxf")).string(), dxfOf(part.bar));
   }
-  common::writeFileAtomically((root / "parts.csv").string(), partList(layout));
+  common::writeFileAtomically((root / "parts.csv").string(), partList(layout, plan));
 }
 
 }  // namespace snapwing::design

@@ -97,6 +97,13 @@ void readBlade(SettingsReader reader, WingBladeSettings* b) {
   reader.finish();
 }
 
+void readStack(SettingsReader reader, WingStackSettings* k) {
+  k->most_layers = reader.integerOr("most_layers", k->most_layers, 1, 8);
+  k->gap = reader.numberOr("gap", k->gap, {0, 0.1}, "m");
+  k->clearance = reader.numberOr("clearance", k->clearance, {0, 0.1}, "m");
+  reader.finish();
+}
+
 struct CurveStates {
   std::optional<double> second, largest;  ///< [rad]
 };
@@ -150,6 +157,12 @@ void demand(bool good, const std::string& key, double value, const std::string& 
 
 }  // namespace
 
+void WingStackSettings::validate() const {
+  demand(most_layers >= 1 && most_layers <= 8, "layers.most_layers", most_layers, "1 to 8");
+  demand(gap >= 0 && gap <= 0.1, "layers.gap", gap, "0 to 0.1 m");
+  demand(clearance >= 0 && clearance <= 0.1, "layers.clearance", clearance, "0 to 0.1 m");
+}
+
 Vector2d WingSettings::tipAtRest() const {
   return rotation_centre + tip_radius * Vector2d(std::cos(tip_direction), std::sin(tip_direction));
 }
@@ -172,6 +185,7 @@ void WingSettings::validate() const {
   demand(starts <= samples, "search.starts", starts, "at most search.samples");
   demand(bars.pin_diameter < bars.width, "bars.pin_diameter", bars.pin_diameter, "less than bars.width");
   demand(motion.has_value(), "arm_motion", 0, "an arm motion");
+  stack.validate();
   motion->travelAt(targets[1].arm_rotation);
 }
 
@@ -181,6 +195,7 @@ WingSettings loadWingSettings(const std::string& path) {
   s.file = path;
   s.name = reader.text("name");
   s.vehicle_file = reader.resolvePath(reader.text("vehicle"));
+  if (reader.has("rung")) s.rung = reader.choice("rung", {"rigid", "elastic", "solid"});
   const CurveStates states = readMotion(reader.map("arm_motion"), &s);
   readTargets(&reader, states, &s);
   readLinkage(reader.map("linkage"), &s);
@@ -189,6 +204,7 @@ WingSettings loadWingSettings(const std::string& path) {
   if (reader.has("search")) readSearch(reader.map("search"), &s);
   if (reader.has("bars")) readBars(reader.map("bars"), &s.bars);
   if (reader.has("blade")) readBlade(reader.map("blade"), &s.blade);
+  if (reader.has("layers")) readStack(reader.map("layers"), &s.stack);
   reader.finish();
   s.validate();
   return s;

@@ -16,7 +16,7 @@ using namespace design;  // NOLINT: a command is all about one floor
 struct Options {
   std::string settings;
   std::string folder = ".";
-  std::string rung = "rigid";
+  std::string rung;
   int points = 161;
 };
 
@@ -65,11 +65,33 @@ void reportClearance(const WingClearance& c) {
             << " rad), blade at least " << 1e3 * c.blade << " mm (arm at " << c.blade_at << " rad)\n";
 }
 
+std::string name(const StackPlan& plan, int piece) { return plan.pieces[static_cast<std::size_t>(piece)].name; }
+
+void reportLayers(const StackPlan& plan) {
+  std::cout << "  over one another on the way:";
+  for (const Meeting& m : plan.over) {
+    std::cout << (&m == &plan.over.front() ? " " : ", ") << name(plan, m.first) << " and " << name(plan, m.second);
+  }
+  std::cout << "\n";
+  if (!plan.found) {
+    std::cout << "  layers: NONE, the wing cannot be put together as drawn: " << plan.message << "\n";
+    return;
+  }
+  std::cout << "  layers, from the ring outward:";
+  for (int layer = 1; layer <= plan.layers; ++layer) {
+    for (const PlacedPiece& piece : plan.pieces) {
+      if (piece.layer != layer) continue;
+      std::cout << (layer > 1 ? ", " : " ") << layer << " " << piece.name << " (z " << 1e3 * piece.z << " mm)";
+    }
+  }
+  std::cout << "\n";
+}
+
 void run(const Options& options, int* exit_code) {
   const WingSettings settings = loadWingSettings(options.settings);
   WingJob job;
   job.folder = options.folder;
-  job.rung = wingRungOf(options.rung);
+  job.rung = wingRungOf(options.rung.empty() ? settings.rung : options.rung);
   job.points = options.points;
   const WingOutcome outcome = designWingInto(settings, job);
   report(settings, outcome.design);
@@ -80,6 +102,7 @@ void run(const Options& options, int* exit_code) {
   reportElastic(outcome, job.rung);
   reportMass(outcome);
   reportClearance(outcome.clearance);
+  reportLayers(outcome.stack);
   std::cout << "  wrote wing.yaml, wing_table.h5 and parts to " << options.folder << "\n";
 }
 
@@ -93,9 +116,9 @@ void addDesignWingCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--rung", options->rung,
-                   "Bars that the design is made on: rigid, elastic (beams) or solid; elastic ones check it anyway")
-      ->check(CLI::IsMember({"rigid", "elastic", "solid"}))
-      ->capture_default_str();
+                   "Bars that the design is made on: rigid, elastic (beams) or solid, instead of the settings' own; "
+                   "elastic ones check it anyway")
+      ->check(CLI::IsMember({"rigid", "elastic", "solid"}));
   command->add_option("--points", options->points, "Points of the table over the travel")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();

@@ -112,7 +112,7 @@ TEST(WingBlade, FrictionForceIsTheWorkOfThePinsPerTravel) {
 TEST(WingLayout, FileRoundTripKeepsEveryBit) {
   const WingLayout w = layout();
   const std::string path = temporary("wing.yaml");
-  saveWing(w, paperSettings(), paperDesign(), path);
+  saveWing(w, paperSettings(), paperDesign(), {}, path);
   const WingLayout back = loadWing(path);
   EXPECT_EQ(back.linkage.joint1, w.linkage.joint1);
   EXPECT_EQ(back.linkage.joint2, w.linkage.joint2);

@@ -78,7 +78,7 @@ TEST(WingParts, LengthsAreThoseOfTheLinkage) {
 
 TEST(WingParts, FilesAreWritten) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "wing_parts";
-  saveParts(layout(), folder.string());
+  saveParts(layout(), {}, folder.string());
   const std::string stl = common::readFile((folder / "rocker.stl").string());
   EXPECT_EQ(stl.rfind("solid rocker", 0), 0u);
   EXPECT_NE(stl.find("endsolid rocker"), std::string::npos);

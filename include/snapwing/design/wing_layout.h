@@ -6,6 +6,7 @@
 
 #include "snapwing/common/vehicle.h"
 #include "snapwing/design/wing_design.h"
+#include "snapwing/design/wing_stack.h"
 
 namespace snapwing::design {
 
@@ -33,7 +34,7 @@ WingLayout layoutOf(const WingSettings& settings, const WingDesign& design, cons
                     const std::string& rung);
 
 /// Writes wing.yaml: the layout, and under "results" what was reached. Atomic. @throws common::FileError
-void saveWing(const WingLayout& layout, const WingSettings& settings, const WingDesign& design,
+void saveWing(const WingLayout& layout, const WingSettings& settings, const WingDesign& design, const StackPlan& stack,
               const std::string& path);
 /// @throws common::FileError, common::SettingError
 WingLayout loadWing(const std::string& path);

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -18,11 +19,15 @@ enum class WingRung { RIGID, BEAMS, SOLIDS };
 WingRung wingRungOf(const std::string& name);
 const char* nameOf(WingRung rung);
 
+/// The design problem on bars of one rung.
+std::unique_ptr<WingProblem> makeWingProblem(const WingSettings& settings, WingRung rung);
+
 struct WingJob {
   std::string folder;  ///< of the results; made if missing
   WingRung rung = WingRung::RIGID;
   int points = 161;                                ///< of the table
   std::function<bool(const WingProgress&)> go_on;  ///< between local runs; false cancels
+  std::function<bool()> cancelled;                 ///< at each evaluation; true cancels
 };
 
 struct WingOutcome {
@@ -36,6 +41,7 @@ struct WingOutcome {
   double friction_work = 0;   ///< of both wings on one way [J]
   double barrier_back = std::numeric_limits<double>::quiet_NaN();  ///< of the vehicle's arms [J]; NaN without a table
   WingClearance clearance;                                         ///< from the propellers
+  StackPlan stack;           ///< layers of bars and rod; a wing without any cannot be put together as drawn
   bool targets_met = false;  ///< both wing rotations within .15 rad, both tips within 10 mm
   bool from_store = false;
 };
@@ -46,7 +52,8 @@ WingOutcome designWingInto(const WingSettings& settings, const WingJob& job);
 
 /// Hash of all that a design depends on.
 std::string wingHash(const WingSettings& settings, WingRung rung);
-/// The layout and table in a folder, if both are there; the design itself is assessed again on rigid bars.
+/// The layout and table in a folder, if both are there; the objective is computed again on the layout's rung, the
+/// design assessed again on rigid bars.
 /// @throws common::FileError
 std::optional<WingOutcome> loadWingOutcome(const WingSettings& settings, const std::string& folder);
 

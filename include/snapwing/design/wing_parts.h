@@ -43,8 +43,10 @@ std::string stlOf(const PartMesh& mesh, const std::string& name);
 /// DXF R12 in millimetres: outline of lines and arcs on layer CUT, holes as circles.
 std::string dxfOf(const FlatBar& bar);
 /// CSV of every part, bought ones too (pins, leading-edge rod), lengths in millimetres, masses in grams.
-std::string partList(const WingLayout& layout);
+/// @param plan  gives layer and lower face of each flat part and the lengths of the pins; without a found one these
+///   columns are empty and pins are three bars long
+std::string partList(const WingLayout& layout, const StackPlan& plan = {});
 /// Writes all of these into a folder. @throws common::FileError
-void saveParts(const WingLayout& layout, const std::string& folder);
+void saveParts(const WingLayout& layout, const StackPlan& plan, const std::string& folder);
 
 }  // namespace snapwing::design

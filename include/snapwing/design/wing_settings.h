@@ -47,10 +47,20 @@ struct WingBladeSettings {
   double slack = 0.02;               ///< [rad] by which the four panels together exceed the widest fan
 };
 
+/// How bars and rod may be stacked (wing_stack.h).
+struct WingStackSettings {
+  int most_layers = 6;       ///< 1 .. 8
+  double gap = 0.0005;       ///< [m] between layers: a washer
+  double clearance = 0.001;  ///< [m] that moving parts keep from each other in the plane
+  /// @throws common::SettingError naming the key
+  void validate() const;
+};
+
 struct WingSettings {
   std::string name;
-  std::string file;          ///< where it was read from; empty if built in code
-  std::string vehicle_file;  ///< absolute path
+  std::string file;            ///< where it was read from; empty if built in code
+  std::string vehicle_file;    ///< absolute path
+  std::string rung = "rigid";  ///< bars that the design is made on: rigid, elastic (beams) or solid
 
   Eigen::Vector2d auxiliary_joint{0.035, 0.020};
   Eigen::Vector2d rotation_centre{0.055, 0.020};
@@ -80,6 +90,7 @@ struct WingSettings {
 
   WingBars bars;
   WingBladeSettings blade;
+  WingStackSettings stack;
   std::optional<ArmMotion> motion;  ///< always set by loadWingSettings
 
   Eigen::Vector2d tipAtRest() const;
