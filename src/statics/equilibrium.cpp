@@ -137,7 +137,8 @@ NewtonResult EquilibriumSolver::minimise(Equilibrium& x) {
 /// The paper's way: minimise L at fixed multipliers, then lambda += rho g.
 NewtonResult EquilibriumSolver::augment(Equilibrium& x) {
   NewtonResult total;
-  for (int outer = 0; outer < OUTER_ITERATIONS; ++outer) {
+  const int most = std::max(OUTER_ITERATIONS, settings_.max_iterations);
+  for (int outer = 0; outer < most; ++outer) {
     tied_->setMultipliers(x.multipliers);
     const NewtonResult inner = newton_.solve(x.p, x.z, x.at);
     total.iterations += inner.iterations;
@@ -150,7 +151,7 @@ NewtonResult EquilibriumSolver::augment(Equilibrium& x) {
     x.multipliers += tied_->penalty() * open;
   }
   std::ostringstream text;
-  text << "ports and joints gape by " << gap(x).cwiseAbs().maxCoeff() << " m after " << OUTER_ITERATIONS
+  text << "ports and joints gape by " << gap(x).cwiseAbs().maxCoeff() << " m after " << most
        << " updates of the multipliers";
   return finish(total, SolveStatus::ITERATION_LIMIT, text.str());
 }

@@ -18,7 +18,7 @@ namespace snapwing::statics {
 
 struct JointSettings {
   Drive drive = Drive::MULTIPLIERS;  ///< or AUGMENTED_LAGRANGIAN
-  int max_iterations = 60;           ///< of Newton's method, in each inner problem of the augmented Lagrangian
+  int max_iterations = 60;           ///< of Newton's method; of the augmented Lagrangian's updates (at least 40)
   double force_tolerance = 1e-9;     ///< [N] on |dL/du|
   double gap_tolerance = 1e-11;      ///< [m] largest |H u - h|; times the stiffness: error of a force
   double energy_floor = 0;           ///< [J] smaller changes of the energy are rounding, some 1e-15 E times the volume
