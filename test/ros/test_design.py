@@ -87,6 +87,7 @@ class Design(unittest.TestCase):
         settings["vehicle"] = os.path.abspath(os.path.join(folder, settings["vehicle"]))
         settings["rung"] = rung
         settings["search"]["starts"] = 1
+        os.makedirs(os.path.dirname(self.store), exist_ok=True)
         path = os.path.join(os.path.dirname(self.store), f"wing_{rung}.yaml")
         with open(path, "w", encoding="utf-8") as file:
             yaml.safe_dump(settings, file)
