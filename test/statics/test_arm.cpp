@@ -1,4 +1,4 @@
-// The shipped arm against the curve of an independent code (test/data/arms, see its header).
+// The arm of the feasibility study against the curve of an independent code (test/data/arms, see its header).
 #include <gtest/gtest.h>
 
 #include <cmath>
