@@ -186,8 +186,9 @@ def read_summary(path):
         if not isinstance(entry, dict) or any(entry.get(key) not in (1, 2) for key in ("start", "target")):
             raise InputError("{}: switches[{}] needs 'start' and 'target', each 1 (F) or 2 (Q)".format(path, number))
         name = "{}->{}".format(topics.MODE_NAMES[entry["start"]], topics.MODE_NAMES[entry["target"]])
-        true = (entry.get("happened") or {}).get("end_mode")
-        good = entry.get("code") == 0 and true == entry["target"] and entry.get("estimated_mode") == entry["target"]
+        true = entry.get("happened") or {}
+        modes = (true.get("start_mode"), true.get("end_mode"), entry.get("estimated_mode"))
+        good = entry.get("code") == 0 and modes == (entry["start"], entry["target"], entry["target"])
         switches.append({"name": name, "ok": good, "reason": str(entry.get("message") or "") if not good else ""})
         rung = rung or str(entry.get("rung") or "")
     reason = found.get("trouble") or found.get("reason") or ""

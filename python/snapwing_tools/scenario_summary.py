@@ -25,6 +25,7 @@ class TruthSample:
 class Happened:
     """What the vehicle truly did after a command."""
 
+    start_mode: int = 0
     end_mode: int = 0
     snap_time: float = NAN  # [s] after the command, last crossing of the barrier; NaN = none
     peak_travel: float = NAN  # [m]
@@ -63,6 +64,8 @@ class Switch:
             return "the action never answered"
         if self.code != 0:
             return self.message or f"result code {self.code}"
+        if self.happened.start_mode != self.start:
+            return f"the vehicle truly was in {MODE_NAMES[self.happened.start_mode]} before the pulse"
         if self.happened.end_mode != self.target:
             return f"the vehicle truly is in {MODE_NAMES[self.happened.end_mode]}"
         if self.estimated_mode != self.target:
@@ -102,6 +105,7 @@ def happened(samples, barrier, command_time):
     if not seen:
         return Happened()
     result = Happened(
+        start_mode=seen[0].mode,
         end_mode=seen[-1].mode,
         peak_travel=max(sample.travel for sample in seen),
         least_travel=min(sample.travel for sample in seen),

@@ -23,8 +23,7 @@ void PlantSettings::validate() const {
   require(std::abs(gravity) <= 100.0, "gravity", gravity, "-100 .. 100 m/s2");
   require(step > 0 && step <= 1e-3, "step", step, "above 0, up to 0.001 s");
   require(stop_restitution >= 0 && stop_restitution <= 1, "stop_restitution", stop_restitution, "0 .. 1");
-  require(hand_deceleration_q > 0 && std::isfinite(hand_deceleration_q), "hand_deceleration_q", hand_deceleration_q,
-          "above 0 m/s2");
+  require(hand_share_q > 0 && hand_share_q < 1, "hand_share_q", hand_share_q, "between 0 and 1");
   require(hand_deceleration_f > 0 && std::isfinite(hand_deceleration_f), "hand_deceleration_f", hand_deceleration_f,
           "above 0 m/s2");
   if (wings.value_or(false) && mount == PlantMount::BOOM) {

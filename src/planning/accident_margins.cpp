@@ -87,6 +87,11 @@ std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, cons
   inverted.occurs = p.centre_mass * GRAVITY;
   list.push_back(inverted);
 
+  AccidentMargin braked{"ring braked in Q", "a hand slows the ring down and the centre coasts on", Q, "m/s2"};
+  braked.limit = largestSurvived(1000.0, [&](double b) { return -p.centre_mass * b > basins.limit(Q, -b); });
+  braked.occurs = std::numeric_limits<double>::quiet_NaN();
+  list.push_back(braked);
+
   for (AccidentMargin& margin : list) margin.holds = !(margin.occurs >= margin.limit);
   return list;
 }

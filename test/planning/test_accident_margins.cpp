@@ -37,6 +37,7 @@ TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
   EXPECT_GT(climb.limit, still);
   EXPECT_LT(climb.limit, 1.5 * still);
   EXPECT_TRUE(find(list, "hover thrust cut in Q").holds);
+  EXPECT_NEAR(find(list, "ring braked in Q").limit, 2.21 / p.centre_mass, 0.01);
 }
 
 TEST(AccidentMargins, FollowTheForceScale) {
@@ -48,7 +49,7 @@ TEST(AccidentMargins, FollowTheForceScale) {
   EXPECT_NEAR(find(stiff, "ring held inverted in Q").limit, 2.0 * find(soft, "ring held inverted in Q").limit, 1e-9);
 }
 
-TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoNothingToQ) {
+TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
   const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
@@ -58,7 +59,9 @@ TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoNothingToQ) {
   const double gain = find(with, "ring held upright in F").limit - find(without, "ring held upright in F").limit;
   EXPECT_GT(gain, 0.5 * 9.81 * wing->coupled_mass.front());
   EXPECT_LT(gain, 9.81 * *std::max_element(wing->coupled_mass.begin(), wing->coupled_mass.end()));
-  EXPECT_NEAR(find(with, "ring held inverted in Q").limit, find(without, "ring held inverted in Q").limit, 0.05);
+  // In Q they hardly move with u: 0.040 m lies before the valley, where they move more than there.
+  EXPECT_NEAR(find(with, "ring held inverted in Q").limit, find(without, "ring held inverted in Q").limit,
+              9.81 * wing->at(wing->coupled_mass, 0.040));
 }
 
 }  // namespace

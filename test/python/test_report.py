@@ -119,7 +119,7 @@ class Command(unittest.TestCase):
         outcome = scenario_summary.Outcome(vehicle="made_up", curve_rung="made up")
         for start, target in ((1, 2), (2, 1)):
             switch = scenario_summary.Switch(start, target, code=0, estimated_mode=target, rung="lumped")
-            switch.happened.end_mode = target
+            switch.happened.start_mode, switch.happened.end_mode = start, target
             outcome.switches.append(switch)
         for name, value in changes.items():
             setattr(outcome.switches[0], name, value)
@@ -344,15 +344,16 @@ class Readers(unittest.TestCase):
 
     def test_summary_counts_a_switch_only_if_truth_and_estimate_agree(self):
         outcome = scenario_summary.Outcome()
-        for true, estimated, code in ((2, 2, 0), (1, 2, 0), (2, 0, 0), (2, 2, 3)):
+        # The fourth ended in the target because it had been there all the time.
+        for before, true, estimated, code in ((1, 2, 2, 0), (1, 1, 2, 0), (1, 2, 0, 0), (2, 2, 2, 0), (1, 2, 2, 3)):
             switch = scenario_summary.Switch(1, 2, code=code, estimated_mode=estimated, message="because")
-            switch.happened.end_mode = true
+            switch.happened.start_mode, switch.happened.end_mode = before, true
             outcome.switches.append(switch)
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "s.json")
             scenario_summary.write_result(outcome, path)
             found = inputs.read_summary(path)
-        self.assertEqual([entry["ok"] for entry in found["switches"]], [True, False, False, False])
+        self.assertEqual([entry["ok"] for entry in found["switches"]], [True, False, False, False, False])
         self.assertFalse(found["ok"])
         self.assertTrue(found["reason"])
 

@@ -28,9 +28,9 @@ struct PlantSettings {
   double gravity = 0;             ///< [m/s2] against the thrust axis; 0 for a boom that turns level
   double step = 1e-4;             ///< [s] largest step, (0, 1e-3]
   double stop_restitution = 0.3;  ///< [1] relative speed kept when u hits a mechanical stop, [0, 1]
-  /// Largest deceleration by which the hand brakes the boom: gentle in Q, whose hold on the centre is weak. [m/s2]
-  double hand_deceleration_q = 2.5;
-  double hand_deceleration_f = 12.0;
+  /// Largest deceleration by which the hand brakes: gentle in Q, whose hold on the centre is weak.
+  double hand_share_q = 0.4;          ///< [1] of the deceleration that Q holds, valley force / centre's mass, (0, 1)
+  double hand_deceleration_f = 12.0;  ///< [m/s2]
   void validate() const;  ///< @throws common::Error naming the member
 };
 

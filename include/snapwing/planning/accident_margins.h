@@ -22,7 +22,7 @@ struct AccidentMargin {
 };
 
 /// Nominal parameters, free flight unless said: sudden thrust from idle in F, hover thrust cut in Q, cut while climbing
-/// in Q (speed), ring held upright in F, inverted and held in Q.
+/// in Q (speed), ring held upright in F, inverted and held in Q, ring braked in Q (deceleration, slowly applied).
 std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table,
                                             const std::optional<common::WingTable>& wing = {});
 
