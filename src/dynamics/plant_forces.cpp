@@ -100,8 +100,8 @@ double Plant::handForce(double ring_speed, double travel, double thrust) const {
   const double mass = ring_mass_ + parameters_.centre_mass;
   // The experimenter sees the shape and is gentle where a jerk would flip it.
   const double held_by_q = -parameters_.force_scale * features_.valley_force / parameters_.centre_mass;
-  const double bound = mass * (travel > features_.barrier_travel ? settings_.hand_share_q * held_by_q
-                                                                 : settings_.hand_deceleration_f);
+  const double bound =
+      mass * (travel > features_.barrier_travel ? settings_.hand_share_q * held_by_q : settings_.hand_deceleration_f);
   // It feels what the motors still push and holds against it: else idle motors would keep the boom creeping.
   return -std::clamp(mass * ring_speed / HAND_TIME, -bound, bound) - thrust;
 }

@@ -31,7 +31,7 @@ struct PlantSettings {
   /// Largest deceleration by which the hand brakes: gentle in Q, whose hold on the centre is weak.
   double hand_share_q = 0.4;          ///< [1] of the deceleration that Q holds, valley force / centre's mass, (0, 1)
   double hand_deceleration_f = 12.0;  ///< [m/s2]
-  void validate() const;  ///< @throws common::Error naming the member
+  void validate() const;              ///< @throws common::Error naming the member
 };
 
 struct PlantState {
