@@ -45,28 +45,34 @@ Motion runPlant(const common::Vehicle& vehicle, Plant plant, common::Mode start,
   return run;
 }
 
+struct Case {
+  common::Mode start;
+  common::Pulse pulse;
+};
+
+rom::SnapPrediction predict(const rom::LumpedModel& model, const common::Vehicle& vehicle, const Case& c,
+                            const rom::Trial& trial, rom::LumpedState* last) {
+  return model.predict(c.start, c.pulse, vehicle.radio, trial, [&](const rom::LumpedState& s) {
+    *last = s;
+    return true;
+  });
+}
+
 TEST(PlantAgainstRom, SameParametersSameMotion) {
   const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
   rom::Trial trial;
   trial.mount = rom::Mount::BOOM;
-  const struct {
-    common::Mode start;
-    common::Pulse pulse;
-  } cases[] = {{common::Mode::FIXED_WING, {0.7, 0.16}},
-               {common::Mode::FIXED_WING, {0.4, 0.20}},
-               {common::Mode::QUADROTOR, {1.0, 0.95}},
-               {common::Mode::QUADROTOR, {0.8, 0.40}}};
+  const Case cases[] = {{common::Mode::FIXED_WING, {0.7, 0.16}},
+                        {common::Mode::FIXED_WING, {0.4, 0.20}},
+                        {common::Mode::QUADROTOR, {1.0, 0.95}},
+                        {common::Mode::QUADROTOR, {0.8, 0.40}}};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const common::VehicleParameters p = drawParameters(vehicle, table, seed);
     const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, p);
     for (const auto& c : cases) {
       rom::LumpedState last;
-      const rom::SnapPrediction predicted =
-          model.predict(c.start, c.pulse, vehicle.radio, trial, [&](const rom::LumpedState& s) {
-            last = s;
-            return true;
-          });
+      const rom::SnapPrediction predicted = predict(model, vehicle, c, trial, &last);
       const double idle = common::motorOutput(vehicle.radio, 0.0);
       const Motion run = runPlant(vehicle, Plant(vehicle, table, p), c.start, idle, c.pulse, last.time);
       // Start (held or drifting at idle), friction's step and interpolation differ: measured below 0.1 mm.
@@ -87,13 +93,10 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
   trial.initial_thrust_fraction = 0.0;
   PlantSettings settings;
   settings.mount = PlantMount::FREE;
-  const struct {
-    common::Mode start;
-    common::Pulse pulse;
-  } cases[] = {{common::Mode::FIXED_WING, {0.7, 0.21}},
-               {common::Mode::FIXED_WING, {0.45, 0.20}},
-               {common::Mode::QUADROTOR, {1.0, 0.95}},
-               {common::Mode::QUADROTOR, {0.8, 0.40}}};
+  const Case cases[] = {{common::Mode::FIXED_WING, {0.7, 0.21}},
+                        {common::Mode::FIXED_WING, {0.45, 0.20}},
+                        {common::Mode::QUADROTOR, {1.0, 0.95}},
+                        {common::Mode::QUADROTOR, {0.8, 0.40}}};
   int switched = 0, compared = 0;
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     common::VehicleParameters p = drawParameters(vehicle, table, seed);
@@ -101,11 +104,7 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
     const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, p, {}, wing);
     for (const auto& c : cases) {
       rom::LumpedState last;
-      const rom::SnapPrediction predicted =
-          model.predict(c.start, c.pulse, vehicle.radio, trial, [&](const rom::LumpedState& s) {
-            last = s;
-            return true;
-          });
+      const rom::SnapPrediction predicted = predict(model, vehicle, c, trial, &last);
       const Motion run = runPlant(vehicle, Plant(vehicle, table, p, settings, wing), c.start, 0.0, c.pulse, last.time);
       const double close = p.wing_friction > 0 ? 4e-4 : 1.5e-4;
       EXPECT_NEAR(run.peak, predicted.peak_travel, close) << "seed " << seed << " throttle " << c.pulse.throttle;

@@ -5,6 +5,7 @@
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
 
+#include "plain_vehicle.h"
 #include "snapwing/common/error.h"
 #include "snapwing/rom/energy_spline.h"
 #include "snapwing/rom/lumped_model.h"
@@ -14,29 +15,14 @@
 namespace snapwing::rom {
 namespace {
 
-common::VehicleParameters plainParameters() {
-  common::VehicleParameters p;
-  p.ring_mass = 0.383;
-  p.centre_mass = 0.40;
-  p.max_thrust = 35.6;
-  p.time_constant_up = p.time_constant_down = 0.05;
-  p.quadratic_share = 0.8;
-  return p;
-}
+using testing::inMotion;
+using testing::plainParameters;
 
 LumpedModel winged(const common::VehicleParameters& p, const common::WingTable& wing, double step = 5e-4) {
   LumpedSettings settings;
   settings.step = step;
   return LumpedModel(std::make_shared<EnergySpline>(snapwing::testing::exampleTable()), p, 0.0, settings,
                      std::make_shared<WingInertia>(wing, p.wing_inertia, p.wing_friction));
-}
-
-LumpedState inMotion() {
-  LumpedState state;
-  state.travel = 0.010;
-  state.ring_speed = 0.9;  // passes the barrier again and again
-  state.centre_speed = -0.4;
-  return state;
 }
 
 TEST(WingInertia, InterpolatesWithinItsTableAndIsTheSlopeOfItsMoment) {
@@ -72,21 +58,7 @@ TEST(WingInertia, RefusesATableWithoutABladeAndBadScales) {
 }
 
 TEST(Winged, KeepsEnergyAndMomentumWithoutLoadsAndLosses) {
-  const LumpedModel model = winged(plainParameters(), snapwing::testing::exampleWing());
-  const Trial trial;
-  LumpedState state = inMotion();
-  const double energy = model.relativeEnergy(state, trial), speed = model.commonSpeed(state, trial);
-  double drift = 0;
-  int crossings = 0;
-  for (int i = 0; i < 50000; ++i) {
-    const LumpedState next = model.step(state, 0.0, 1e-3, trial);
-    crossings += (next.travel > 0.0277) != (state.travel > 0.0277);
-    state = next;
-    drift = std::max(drift, std::abs(model.relativeEnergy(state, trial) - energy));
-  }
-  EXPECT_GT(crossings, 100);
-  EXPECT_LT(drift, 1e-9 * energy);  // 50 s of rounding
-  EXPECT_NEAR(model.commonSpeed(state, trial), speed, 1e-9);
+  testing::expectInvariantsKept(winged(plainParameters(), snapwing::testing::exampleWing()));
 }
 
 TEST(Winged, KeepsEnergyWithTheRingHeldAgainstGravity) {
