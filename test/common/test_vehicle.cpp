@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/force_table.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
+#include "snapwing/common/wing_table.h"
 
 namespace snapwing::common {
 namespace {
@@ -31,6 +34,11 @@ TEST(Vehicle, EveryShippedFileLoads) {
     EXPECT_EQ(v.sha256.size(), 64u);
     EXPECT_TRUE(fs::exists(v.arm.density_file)) << v.arm.density_file;
     EXPECT_TRUE(fs::exists(v.arm.table_file)) << v.arm.table_file;
+    // Tables go stale silently: each names what it was computed from (scripts/make_tables).
+    EXPECT_EQ(loadForceTable(v.arm.table_file).provenance.at("density_sha256"), sha256OfFile(v.arm.density_file));
+    if (const std::optional<WingTable> wing = wingTableOf(v)) {
+      EXPECT_NE(wing->provenance.at("arm_motion").find(sha256OfFile(v.arm.table_file)), std::string::npos);
+    }
     ++count;
   }
   EXPECT_GE(count, 1);
@@ -72,6 +80,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"value: 0.40, unit: kg", "value: 0.80, unit: kg", "masses.centre"},
                     Wrong{"value: 0.48", "value: 0.5", "material.poisson_ratio.value"},
                     Wrong{"count: 4", "count: four", "arm.count"},
+                    Wrong{"inertia_scale: {value: 1.0", "inertia_scale: {value: -1.0", "wing.inertia_scale.value"},
+                    Wrong{"friction_scale: {value: 1.0", "frictoin_scale: {value: 1.0", "wing.friction_scale"},
                     Wrong{"source: \"paper: ring of 125 mm\"", "source: \"\"", "geometry.ring_radius.source"}),
     [](const auto& mistake) { return "Mistake" + std::to_string(mistake.index); });
 
