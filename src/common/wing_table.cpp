@@ -75,4 +75,10 @@ double WingTable::at(const std::vector<double>& column, double u) const {
   return column[k - 1] + share * (column[k] - column[k - 1]);
 }
 
+void refuseWingsOnBoom(const std::string& who) {
+  throw Error(who +
+              ": wings are on and the mount is boom, where the centripetal force turns them, which is not modelled; "
+              "allowed: free, held, or wings off");
+}
+
 }  // namespace snapwing::common

@@ -65,7 +65,11 @@ WingTable loadWingTable(const std::string& path) {
   if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
   QuietErrors quiet;
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open the file as HDF5");
-  if (readAttribute(file, "format", path) != FORMAT) throw FileError(path, std::string("format is not ") + FORMAT);
+  const std::string format = readAttribute(file, "format", path);
+  if (format != FORMAT) {
+    throw FileError(path, "format is '" + format + "'; allowed: '" + FORMAT +
+                              "'; make the table again with `snapwing design wing`");
+  }
   WingTable table;
   forEachColumn(&table, [&](const char* name, const char* unit, std::vector<double>* values) {
     readColumn(file, name, unit, values, path);

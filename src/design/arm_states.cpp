@@ -63,7 +63,7 @@ void ArmTopology::makeLanes(Variant& variant) const {
   constexpr std::size_t OF_PULLED = 4;  // the state under a force takes as long as about four at a travel
   const std::size_t count = variant.states.size();
   std::size_t split = count;
-  if (settings_.stages[stage_].volumetric && count > OF_PULLED) split = (count - OF_PULLED) / 2;
+  if (count > OF_PULLED) split = (count - OF_PULLED) / 2;
   for (const auto& [first, end] : {std::array<std::size_t, 2>{0, split}, {split, count}}) {
     if (first == end && first > 0) continue;
     variant.lanes.push_back(std::make_unique<Lane>(variant.mechanism.problem(), newton_tolerance_));

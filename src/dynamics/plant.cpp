@@ -26,11 +26,7 @@ void PlantSettings::validate() const {
   require(hand_share_q > 0 && hand_share_q < 1, "hand_share_q", hand_share_q, "between 0 and 1");
   require(hand_deceleration_f > 0 && std::isfinite(hand_deceleration_f), "hand_deceleration_f", hand_deceleration_f,
           "above 0 m/s2");
-  if (wings.value_or(false) && mount == PlantMount::BOOM) {
-    throw common::Error(
-        "plant: wings are on and the mount is boom, where the centripetal force turns them, which is "
-        "not modelled; allowed: free, held, or wings off");
-  }
+  if (wings.value_or(false) && mount == PlantMount::BOOM) common::refuseWingsOnBoom("plant");
 }
 
 double PlantState::thrust() const { return std::accumulate(rotor_thrust.begin(), rotor_thrust.end(), 0.0); }

@@ -78,9 +78,7 @@ double LumpedModel::relativeMass(const Trial& trial, double travel) const {
   const double ring = ringMass(trial);
   const WingInertia* wing = wingsOf(trial);
   if (!wing) return held ? centre : ring * centre / (ring + centre);
-  const WingSample w = wing->at(travel);
-  const double lag = centre - w.coupled_mass;
-  return centre + w.kinetic_mass - (held ? 0.0 : lag * lag / (ring + centre));
+  return relativeInertia(wing->at(travel), centre, held ? INFINITY : ring + centre).mass;
 }
 
 double LumpedModel::relativeEnergy(const LumpedState& state, const Trial& trial) const {
@@ -125,14 +123,14 @@ double LumpedModel::centreSpecificForce(const LumpedState& state, const Trial& t
   if (!wing) return (arms - centre_drag) / centre;
   const WingSample s = wing->at(state.travel);
   const bool held = trial.mount == Mount::HELD;
-  const double all = ringMass(trial) + centre, lag = centre - s.coupled_mass;
-  const double mass = centre + s.kinetic_mass - (held ? 0.0 : lag * lag / all);
-  const double mass_slope = s.kinetic_slope + (held ? 0.0 : 2.0 * lag * s.coupled_slope / all);
+  const double all = held ? INFINITY : ringMass(trial) + centre;
+  const RelativeInertia inertia = relativeInertia(s, centre, all);
   const RelativeLoad load = relativeLoad(state, trial);
   const double rub = coulomb(s.friction, w, settings_.friction_speed).force;
-  const double relative = (load.force - load.felt * s.coupled_mass - arms - rub - 0.5 * mass_slope * w * w) / mass;
+  const double relative =
+      (load.force - load.felt * s.coupled_mass - arms - rub - 0.5 * inertia.mass_slope * w * w) / inertia.mass;
   if (held) return trial.gravity - relative;
-  const double ring = load.felt + (lag * relative - s.coupled_slope * w * w) / all;  // its own specific force
+  const double ring = load.felt + (inertia.lag * relative - s.coupled_slope * w * w) / all;  // its own specific force
   return ring - relative;
 }
 

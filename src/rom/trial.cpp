@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/wing_table.h"
 
 namespace snapwing::rom {
 
@@ -51,11 +52,7 @@ void Trial::validate() const {
   require(std::abs(initial_speed) <= 200.0, "initial_speed", initial_speed, "-200 .. 200 m/s");
   require(mount != Mount::HELD || initial_speed == 0.0, "initial_speed", initial_speed, "0 when the ring is held");
   require(horizon > 0.0 && horizon <= 60.0, "horizon", horizon, "above 0, up to 60 s");
-  if (wings.value_or(false) && mount == Mount::BOOM) {
-    throw common::Error(
-        "trial: wings are on and the mount is boom, where the centripetal force turns them, which is "
-        "not modelled; allowed: free, held, or wings off");
-  }
+  if (wings.value_or(false) && mount == Mount::BOOM) common::refuseWingsOnBoom("trial");
   requireShare("initial_thrust_fraction", initial_thrust_fraction);
   requireShare("final_thrust_fraction", final_thrust_fraction);
 }

@@ -102,6 +102,15 @@ WingInertia::Curve::Curve(const common::WingTable& table) : travel(table.travel)
   if (widest - narrowest < 1e-9 * widest) uniform_inverse = pieces.size() / (travel.back() - travel.front());
 }
 
+RelativeInertia relativeInertia(const WingSample& wing, double centre, double all) {
+  RelativeInertia r;
+  r.lag = centre - wing.coupled_mass;
+  r.share = std::isinf(all) ? 0.0 : r.lag / all;
+  r.mass = centre + wing.kinetic_mass - r.share * r.lag;
+  r.mass_slope = wing.kinetic_slope + 2.0 * r.share * wing.coupled_slope;
+  return r;
+}
+
 WingInertia::WingInertia(const common::WingTable& table, double inertia_scale, double friction_scale)
     : curve_(std::make_shared<const Curve>(table)) {
   *this = scaled(inertia_scale, friction_scale);

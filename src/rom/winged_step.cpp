@@ -8,21 +8,13 @@ namespace snapwing::rom {
 
 namespace {
 
-/// Inertia of the relative motion and how the wings couple it to the common one, at one travel.
-struct Inertia {
-  double mass, mass_slope;  ///< m(u) [kg], dm/du [kg/m]
-  double coupled, moment;   ///< S [kg], H [kg m]
-  double coupled_slope;     ///< dS/du [kg/m]
+/// The wings at one travel and the inertia that they give the relative motion.
+struct Inertia : RelativeInertia {
+  Inertia(const WingInertia& curve, double travel, double centre, double all) : wing(curve.at(travel)) {
+    static_cast<RelativeInertia&>(*this) = relativeInertia(wing, centre, all);
+  }
+  WingSample wing;
 };
-
-Inertia inertiaAt(const WingInertia& wing, double travel, double centre, double all) {
-  const WingSample w = wing.at(travel);
-  const double lag = centre - w.coupled_mass;
-  // A ring that is held weighs infinitely much.
-  const double share = std::isinf(all) ? 0.0 : lag / all;
-  return {centre + w.kinetic_mass - share * lag, w.kinetic_slope + 2.0 * share * w.coupled_slope, w.coupled_mass,
-          w.mass_moment, w.coupled_slope};
-}
 
 /// Difference quotient over the step, with its slope in the end travel; for short steps by the slopes at both ends.
 Resistance quotient(double value0, double slope0, double value1, double slope1, double du) {
@@ -46,8 +38,8 @@ void LumpedModel::wingedStep(const LumpedState& state, double mean_thrust, doubl
   const double centre = parameters.centre_mass, g = trial.gravity;
   const double all = held ? INFINITY : ringMass(trial) + centre;
   const double u0 = state.travel, w0 = state.travelRate();
-  const Inertia begin = inertiaAt(wing, u0, centre, all);
-  const double p0 = held ? 0.0 : all * state.ring_speed - (centre - begin.coupled) * w0;
+  const Inertia begin(wing, u0, centre, all);
+  const double p0 = held ? 0.0 : all * state.ring_speed - begin.lag * w0;
   const double energy0 = potential_->energy(u0);
   const double pins = wing.at(u0 + 0.5 * dt * w0).friction;
 
@@ -55,10 +47,11 @@ void LumpedModel::wingedStep(const LumpedState& state, double mean_thrust, doubl
   Inertia end = begin;
   for (int i = 0; i < 25; ++i) {
     const double u1 = u0 + dt * w, du = u1 - u0, w1 = 2.0 * w - w0;
-    end = inertiaAt(wing, u1, centre, all);
+    end = Inertia(wing, u1, centre, all);
     const double mass = 0.5 * (begin.mass + end.mass), squares = 0.25 * (w0 * w0 + w1 * w1);
     const Resistance turn = quotient(begin.mass, begin.mass_slope, end.mass, end.mass_slope, du);
-    const Resistance coupled = quotient(begin.moment, begin.coupled, end.moment, end.coupled, du);
+    const Resistance coupled =
+        quotient(begin.wing.mass_moment, begin.wing.coupled_mass, end.wing.mass_moment, end.wing.coupled_mass, du);
     const Resistance elastic = elasticForce(*potential_, u0, energy0, u1);
     const Resistance rub = coulomb(pins, w, settings_.friction_speed);
     const double lag = centre - coupled.force, lag_slope = -dt * coupled.slope;
@@ -91,9 +84,9 @@ void LumpedModel::wingedStep(const LumpedState& state, double mean_thrust, doubl
   }
   const double w1 = 2.0 * w - w0, p1 = 2.0 * p - p0;
   next->travel = u0 + dt * w;
-  const Inertia last = inertiaAt(wing, next->travel, centre, all);
+  const Inertia last(wing, next->travel, centre, all);
   if (!held) {
-    next->ring_speed = (p1 + (centre - last.coupled) * w1) / all;
+    next->ring_speed = (p1 + last.lag * w1) / all;
     next->position = state.position + dt * ring;
   }
   next->centre_speed = next->ring_speed - w1;

@@ -50,6 +50,10 @@ struct WingTable {
   double at(const std::vector<double>& column, double u) const;
 };
 
+/// On a boom the centripetal force turns the wings, which is not modelled.
+/// @param who  begins the message @throws common::Error, always
+[[noreturn]] void refuseWingsOnBoom(const std::string& who);
+
 /// HDF5, one dataset per array with the attribute "unit"; atomic. @throws common::FileError
 void saveWingTable(const WingTable& table, const std::string& path);
 /// @throws common::FileError

@@ -21,6 +21,18 @@ struct WingSample {
   double friction = 0;       ///< of all pins against u' [N], >= 0
 };
 
+/// Inertia of the relative motion, with what couples it to the common one.
+struct RelativeInertia {
+  double mass = 0;        ///< m(u) = m_c + K - (m_c - S)^2 / (m_r + m_c) [kg]
+  double mass_slope = 0;  ///< dm/du [kg/m]
+  double lag = 0;         ///< m_c - S [kg]
+  double share = 0;       ///< lag / (m_r + m_c)
+};
+
+/// @param wing    at the travel; all 0 = without wings
+/// @param centre  m_c [kg]; @param all  m_r + m_c [kg], infinite = the ring is held
+RelativeInertia relativeInertia(const WingSample& wing, double centre, double all);
+
 /// Immutable, cheap to copy: copies share the coefficients.
 class WingInertia {
  public:
