@@ -1,11 +1,15 @@
 #include "snapwing/design/arm_check.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <mutex>
+#include <utility>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/parallel.h"
 #include "snapwing/design/design_scene.h"
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/scene_curve.h"
@@ -39,7 +43,6 @@ void traceArm(const ArmDesignSettings& s, const mpm::DensityField& field, const 
   const common::Vehicle& v = s.vehicle;
   statics::ArmProblemSettings physics;
   physics.plane = s.plane;
-  physics.threads = s.threads;
   physics.interpolation.threshold = s.void_threshold;
   const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
                                       v.material.mass_density.value};
@@ -60,7 +63,7 @@ void traceScene(const ArmDesignSettings& s, const mpm::DensityField& field, cons
   const SceneRung rung{body.volumetric, body.quadratic, field.cell_size,
                        body.volumetric ? s.check_volumetric_step : s.check_step};
   const statics::Scene scene = designScene(s, rung, &field);
-  const auto compiled = statics::compileScene(scene, s.threads);
+  const auto compiled = statics::compileScene(scene, 1);
   const statics::SceneCurve curve = statics::traceScene(scene, *compiled, {}, cancel);
   const bool forward = curve.path.status == statics::SolveStatus::CONVERGED;
   c.traced = forward && curve.back.status == statics::SolveStatus::CONVERGED;
@@ -136,6 +139,37 @@ void judgeAll(const ArmTargets& wanted, ArmCheck& check) {
   check.all_met = check.all_met && check.complete;
 }
 
+/// The optimiser's own field, then the thresholded design on the grids, kernels and outlines of the settings.
+std::vector<std::pair<Body, mpm::DensityField>> bodiesOf(const ArmDesignSettings& s, const ArmShape& shape,
+                                                         const mpm::DensityField& grey) {
+  std::vector<std::pair<Body, mpm::DensityField>> bodies;
+  const double power = elasticity::DensityInterpolation().power;
+  const std::array<double, 2> seed = designSeed(s);
+  const auto add = [&](Body body, double cell, const char* suffix) {
+    char name[64];
+    std::snprintf(name, sizeof name, body.offset == 0 ? "%.2f mm%s" : "%.2f mm%s, %+.2f mm", 1e3 * cell, suffix,
+                  1e3 * body.offset);
+    body.name = name;
+    bodies.emplace_back(body, shape.cover(designDomain(s, cell, 0), body.offset, power, seed[0], seed[1]));
+  };
+  if (!grey.value.empty()) {  // as the last stage saw it
+    const bool solid = s.stages.back().volumetric;
+    bodies.emplace_back(Body{"grey", solid ? VOLUMETRIC : PLANAR_LINEAR, 0, solid}, grey);
+  }
+  const double finest = *std::min_element(s.check_cells.begin(), s.check_cells.end());
+  for (const double cell : s.check_cells) {
+    for (const double offset : {0.0, -s.check_offset, s.check_offset}) {
+      // The printing error is small against coarse cells: it is looked at on the finest grid only.
+      if (offset != 0 && cell > finest) continue;
+      add({"", PLANAR_LINEAR, offset}, cell, "");
+      if (s.check_offset == 0) break;
+    }
+  }
+  if (s.check_quadratic_cell > 0) add({"", PLANAR_QUADRATIC, 0, false, true}, s.check_quadratic_cell, " B-spline");
+  if (s.check_volumetric_cell > 0) add({"", VOLUMETRIC, 0, true}, s.check_volumetric_cell, " solid");
+  return bodies;
+}
+
 }  // namespace
 
 const ArmCheckCase* ArmCheck::reference() const {
@@ -149,40 +183,32 @@ const ArmCheckCase* ArmCheck::reference() const {
 
 ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::DensityField& grey,
                   const std::function<bool(const std::string&)>& progress) {
-  ArmCheck check;
-  bool cancelled = false;
-  const auto add = [&](const Body& body, const mpm::DensityField& field) {
-    const auto cancel = [&](double, double) { return cancelled = cancelled || (progress && progress(body.name)); };
+  const std::vector<std::pair<Body, mpm::DensityField>> bodies = bodiesOf(s, shape, grey);
+  const int count = static_cast<int>(bodies.size());
+  std::vector<ArmCheckCase> cases(bodies.size());
+  std::vector<char> done(bodies.size(), 0);
+  std::atomic<bool> cancelled{false};
+  std::mutex telling;
+  // The largest come last in the list and are begun first, so that none of them is left for one thread in the end.
+  common::parallelFor(count, s.threads, [&](int n) {
+    const auto& [body, field] = bodies[count - 1 - n];
+    bool told = false;
+    const auto cancel = [&, &body = body](double, double) {
+      const std::lock_guard<std::mutex> one_at_a_time(telling);
+      if (progress && progress(told ? "" : body.name)) cancelled = true;
+      told = true;
+      return cancelled.load();
+    };
     if (cancel(0, 0)) return;
-    ArmCheckCase c;
+    ArmCheckCase& c = cases[count - 1 - n];
     c.name = body.name, c.rung = body.rung, c.cell_size = field.cell_size, c.offset = body.offset;
     trace(s, field, body, cancel, c);
-    if (!cancelled) check.cases.push_back(std::move(c));
-  };
-  const double power = elasticity::DensityInterpolation().power;
-  const std::array<double, 2> seed = designSeed(s);
-  const auto addShape = [&](Body body, double cell, const char* suffix) {
-    char name[64];
-    std::snprintf(name, sizeof name, body.offset == 0 ? "%.2f mm%s" : "%.2f mm%s, %+.2f mm", 1e3 * cell, suffix,
-                  1e3 * body.offset);
-    body.name = name;
-    add(body, shape.cover(designDomain(s, cell, 0), body.offset, power, seed[0], seed[1]));
-  };
-  if (!grey.value.empty()) {  // as the last stage saw it
-    const bool solid = s.stages.back().volumetric;
-    add({"grey", solid ? VOLUMETRIC : PLANAR_LINEAR, 0, solid}, grey);
+    done[count - 1 - n] = !cancelled;
+  });
+  ArmCheck check;
+  for (int n = 0; n < count; ++n) {
+    if (done[n]) check.cases.push_back(std::move(cases[n]));
   }
-  const double finest = *std::min_element(s.check_cells.begin(), s.check_cells.end());
-  for (const double cell : s.check_cells) {
-    for (const double offset : {0.0, -s.check_offset, s.check_offset}) {
-      // The printing error is small against coarse cells: it is looked at on the finest grid only.
-      if (offset != 0 && cell > finest) continue;
-      addShape({"", PLANAR_LINEAR, offset}, cell, "");
-      if (s.check_offset == 0) break;
-    }
-  }
-  if (s.check_quadratic_cell > 0) addShape({"", PLANAR_QUADRATIC, 0, false, true}, s.check_quadratic_cell, " B-spline");
-  if (s.check_volumetric_cell > 0) addShape({"", VOLUMETRIC, 0, true}, s.check_volumetric_cell, " solid");
   check.complete = !cancelled;
   judgeAll(s.targets, check);
   return check;

@@ -97,7 +97,7 @@ void Runner::saveCheckpoint(const ArmTopology& problem, const OptimizerState& st
   file.arrays = problem.warmStates();
   file.arrays.insert(frames_.begin(), frames_.end());
   file.arrays["x"] = state.x, file.arrays["x_old"] = state.x_old, file.arrays["x_older"] = state.x_older;
-  file.arrays["low"] = state.low, file.arrays["high"] = state.high;
+  file.arrays["low"] = state.low, file.arrays["high"] = state.high, file.arrays["x_feasible"] = state.x_feasible;
   file.arrays["place"] = Eigen::Vector2d(stage_, state.iteration);
   file.arrays["history"] = packed(run_.history, run_.travels.size());
   file.notes["inputs_sha256"] = settings_.hash();
@@ -116,7 +116,7 @@ void Runner::loadCheckpoint() {
     return found->second;
   };
   start_.x = get("x"), start_.x_old = get("x_old"), start_.x_older = get("x_older");
-  start_.low = get("low"), start_.high = get("high");
+  start_.low = get("low"), start_.high = get("high"), start_.x_feasible = get("x_feasible");
   const Eigen::VectorXd place = get("place");
   stage_ = static_cast<int>(place(0));
   start_.iteration = static_cast<int>(place(1));
@@ -142,7 +142,7 @@ bool Runner::onIteration(const ArmTopology& problem, const OptimizerReport& repo
   p.grey = problem.lastGrey(), p.sharpness = problem.sharpness();
   p.forces = problem.lastForces();
   run_.history.push_back(p);
-  if (p.report.iteration % FRAME_EVERY == 0 || p.report.iteration + 1 == settings_.iterations()) {
+  if (p.report.iteration % FRAME_EVERY == 0 || p.report.iteration + 1 >= settings_.iterations()) {
     char name[32];
     std::snprintf(name, sizeof name, "frame_%04d", p.report.iteration);
     const auto& value = problem.field(state.x).value;

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <functional>
 #include <sstream>
-#include <thread>
 
+#include "snapwing/common/parallel.h"
 #include "snapwing/statics/path.h"
 
 namespace snapwing::design {
@@ -23,28 +20,6 @@ statics::PathSettings pathSettings(double tolerance) {
   // Where a path turns unstable is not asked here; finding it takes dozens of factors without a Cholesky factor.
   settings.locate_singular = false;
   return settings;
-}
-
-/// task(0) .. task(count - 1), on at most so many threads; the first exception in that order is passed on.
-void sideBySide(int count, int threads, const std::function<void(int)>& task) {
-  std::vector<std::exception_ptr> thrown(static_cast<std::size_t>(count));
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int n = next++; n < count; n = next++) {
-      try {
-        task(n);
-      } catch (...) {
-        thrown[n] = std::current_exception();
-      }
-    }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::min(threads, count); ++t) others.emplace_back(work);
-  work();
-  for (std::thread& thread : others) thread.join();
-  for (const std::exception_ptr& one : thrown) {
-    if (one) std::rethrow_exception(one);
-  }
 }
 
 }  // namespace
@@ -177,7 +152,8 @@ void ArmTopology::beginVariant(Variant& variant) const {
   variant.mechanism.setDensities(variant.density);
   variant.retraced = false;
   const bool cold = variant.states.front().z.size() == 0;
-  variant.good = !(cold || retrace_wanted_) || retrace(variant);
+  // Warm states that the path from rest does not reach are still equilibria: the run goes on from them.
+  variant.good = !(cold || retrace_wanted_) || retrace(variant) || !cold;
 }
 
 /// @return false if no equilibrium was found at a travel; whether the lane is good says all
@@ -195,13 +171,13 @@ bool ArmTopology::solveStates(Variant& variant, Lane& lane, bool with_derivative
 /// Lanes share nothing that changes, so that the number of threads does not change a bit.
 bool ArmTopology::solveVariants(bool with_derivatives, std::string& why) {
   const auto lanes = static_cast<int>(variants_.front()->lanes.size()), count = static_cast<int>(variants_.size());
-  sideBySide(count, settings_.threads, [&](int v) { beginVariant(*variants_[v]); });
+  common::parallelFor(count, settings_.threads, [&](int v) { beginVariant(*variants_[v]); });
   std::vector<char> found(static_cast<std::size_t>(count) * lanes, 1);
-  sideBySide(count * lanes, settings_.threads, [&](int n) {
+  common::parallelFor(count * lanes, settings_.threads, [&](int n) {
     Variant& variant = *variants_[n / lanes];
     if (variant.good) found[n] = solveStates(variant, *variant.lanes[n % lanes], with_derivatives);
   });
-  sideBySide(count, settings_.threads, [&](int v) {
+  common::parallelFor(count, settings_.threads, [&](int v) {
     Variant& variant = *variants_[v];
     const auto begin = found.begin() + v * lanes;
     if (variant.good && !variant.retraced && std::find(begin, begin + lanes, 0) != begin + lanes) {

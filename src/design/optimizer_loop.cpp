@@ -51,15 +51,21 @@ OptimizerResult iterate(const OptimizerSettings& settings, OptimizationProblem& 
     result.objective = at.objective;
     result.violation = at.constraints.size() > 0 ? std::max(0.0, at.constraints.maxCoeff()) : 0;
     result.history.push_back({s.iteration, at.objective, result.violation, change, now() - begin, at.constraints});
+    const bool feasible = result.violation <= settings.feasibility;
+    if (feasible && s.iteration >= settings.least_iterations) s.x_feasible = s.x;
     if (settings.progress && settings.progress(result.history.back(), s)) {
       return finish(OptimizerStatus::CANCELLED, "cancelled");
     }
-    const bool feasible = result.violation <= settings.feasibility;
     if (change < settings.tolerance && feasible && s.iteration >= settings.least_iterations) {
       return finish(OptimizerStatus::CONVERGED, "");
     }
     if (s.iteration + 1 >= settings.iterations) {
       if (feasible) return finish(OptimizerStatus::ITERATION_LIMIT, "");
+      // Iterates hop over a bound by their move limit: one more evaluation, where all were met last.
+      if (s.iteration + 1 == settings.iterations && s.x_feasible.size() > 0) {
+        s.x_older = s.x_old, s.x_old = s.x, s.x = s.x_feasible;
+        continue;
+      }
       return finish(OptimizerStatus::INFEASIBLE, "largest violation " + std::to_string(result.violation));
     }
     const Eigen::VectorXd next = step(at, result);

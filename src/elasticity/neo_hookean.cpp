@@ -1,6 +1,7 @@
 #include "snapwing/elasticity/neo_hookean.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "snapwing/common/error.h"
@@ -46,15 +47,16 @@ namespace {
 double beyondLog(double x, double log1p_x) {
   if (std::abs(x) > 0.01) return x - log1p_x;
   double sum = 0;
-  for (int n = 10; n >= 2; --n) sum = (n % 2 == 0 ? 1.0 : -1.0) / n + x * sum;
+  for (const double inverse : {1 / 10., -1 / 9., 1 / 8., -1 / 7., 1 / 6., -1 / 5., 1 / 4., -1 / 3., 1 / 2.}) {
+    sum = inverse + x * sum;
+  }
   return x * x * sum;
 }
-double beyondExp(double t) {
-  if (std::abs(t) > 0.01) return 0.5 * std::expm1(2 * t) - t;
-  double sum = 0, term = 1;  // t^2 (1 + 2t/3 (1 + 2t/4 (1 + ...)))
-  for (int n = 3; n <= 10; ++n) {
-    sum += term;
-    term *= 2 * t / n;
+double beyondExp(double t, double expm1_2t) {
+  if (std::abs(t) > 0.01) return 0.5 * expm1_2t - t;
+  double sum = 1;
+  for (const double inverse : {1 / 10., 1 / 9., 1 / 8., 1 / 7., 1 / 6., 1 / 5., 1 / 4., 1 / 3.}) {
+    sum = 1 + 2 * t * inverse * sum;
   }
   return t * t * sum;
 }
@@ -68,17 +70,29 @@ double beyondTrace(const Matrix<3>& h) { return 0.5 * (h.trace() * h.trace() - (
 template <int D>
 typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
   if (!plane_stress_) return {0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
-  // Monotone and convex in t: Newton from the linear guess ends within a few rounds.
-  double t = -lambda_ * z / (2 * mu_ + lambda_);
+  // mu (e^2t - 1) + lambda (z + t) = 0, monotone and convex in t. Where the first two terms of the solution in powers
+  // of z are near, Halley's rule, whose error is the cube of the one before, ends within one or two rounds; elsewhere
+  // Newton's rule comes from above and cannot overshoot.
+  constexpr double NEAR = 0.25;
+  const double slope0 = 2 * mu_ + lambda_;
+  double t = -lambda_ * z / slope0;
+  if (std::abs(t) < NEAR) t -= 2 * mu_ * t * t / slope0;
+  if (t > NEAR) t = std::min(t, 0.5 * std::log1p(-lambda_ * z / mu_));
+  double grown = 0;  // e^2t - 1
   for (int i = 0; i < 60; ++i) {
-    const double grown = std::expm1(2 * t);
-    const double step = (mu_ * grown + lambda_ * (z + t)) / (2 * mu_ * (grown + 1) + lambda_);
+    grown = std::expm1(2 * t);
+    const double stretch = 2 * mu_ * (grown + 1), slope = stretch + lambda_;
+    const double newton = (mu_ * grown + lambda_ * (z + t)) / slope;
+    const double step = std::abs(newton) < NEAR ? newton / (1 - newton * stretch / slope) : newton;
     t -= step;
-    // The error after a step is the square of the one before.
-    if (std::abs(step) < 1e-8 * (1e-300 + std::abs(t))) break;
+    // Exact to rounding once the step is as short as the end asks for.
+    if (std::abs(step * step * step) <= 1e-17 * std::abs(t)) {
+      grown += (grown + 1) * 2 * step * (step - 1);
+      break;
+    }
   }
-  const double squared = std::exp(2 * t), sum = z + t;
-  return {mu_ * beyondExp(t) + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
+  const double squared = grown + 1, sum = z + t;
+  return {mu_ * beyondExp(t, grown) + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
           lambda_ * 2 * mu_ * squared / (2 * mu_ * squared + lambda_)};
 }
 
@@ -183,8 +197,8 @@ bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolat
 }
 
 template <int D>
-bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const {
-  const DensityInterpolation::Value m = interpolation_.at(density);
+bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& m, double& d_energy,
+                                      Matrix<D>& d_stress) const {
   const Matrix<D> h = f - Matrix<D>::Identity();
   Response<D> r;
   if (!hyperelastic(Matrix<D>::Identity() + m.mix * h, r)) return false;

@@ -222,31 +222,6 @@ elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eig
   return f;
 }
 
-template <int D>
-Eigen::VectorXd Discretisation<D>::densityDerivative(const Eigen::VectorXd& u, const Eigen::VectorXd& v) const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(cellCount());
-  for (int c = 0; c < cellCount(); ++c) {
-    const Cell& cell = cells_[c];
-    for (const Term& term : kinds_[cell.kind]) {
-      const QuadratureRule<D>& rule = rules_[term.rule];
-      for (int p = 0; p < rule.size(); ++p) {
-        const Eigen::Map<const Eigen::Matrix<double, D, Eigen::Dynamic>> slope(rule.slopeOf(p), D, stencil_);
-        elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity(), g = elasticity::Matrix<D>::Zero();
-        for (int a = 0; a < stencil_; ++a) {
-          const int dof = D * cellNodes(c)[a];
-          f += u.template segment<D>(dof) * slope.col(a).transpose();
-          if (v.size() > 0) g += v.template segment<D>(dof) * slope.col(a).transpose();
-        }
-        double d_energy = 0;
-        elasticity::Matrix<D> d_stress;
-        if (!models_[term.model]->densityDerivative(f, cell.density, d_energy, d_stress)) continue;
-        result(c) += cell.measure * rule.weight[p] * (v.size() > 0 ? d_stress.cwiseProduct(g).sum() : d_energy);
-      }
-    }
-  }
-  return result;
-}
-
 template class Discretisation<2>;
 template class Discretisation<3>;
 

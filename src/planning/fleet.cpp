@@ -1,37 +1,11 @@
 #include "fleet.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
+
+#include "snapwing/common/parallel.h"
 
 namespace snapwing::planning {
-
-void parallelFor(int count, int threads, const std::function<void(int)>& body) {
-  if (threads <= 1 || count <= 1) {
-    for (int i = 0; i < count; ++i) body(i);
-    return;
-  }
-  std::atomic<int> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto work = [&] {
-    try {
-      for (int i = next++; i < count; i = next++) body(i);
-    } catch (...) {
-      const std::lock_guard<std::mutex> lock(failure_mutex);
-      if (!failure) failure = std::current_exception();
-      next = count;
-    }
-  };
-  std::vector<std::thread> pool;
-  for (int k = 1; k < std::min(threads, count); ++k) pool.emplace_back(work);
-  work();
-  for (std::thread& thread : pool) thread.join();
-  if (failure) std::rethrow_exception(failure);
-}
 
 Fleet::Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
              const PlannerSettings& settings, double step)
@@ -85,7 +59,7 @@ FleetOutcome Fleet::tryPulse(common::Mode start, const common::Pulse& pulse, con
   std::vector<char> switched(BLOCK);
   for (int first = 0; first < size(); first += BLOCK) {
     const int count = std::min(BLOCK, size() - first);
-    parallelFor(count, threads, [&](int i) {
+    common::parallelFor(count, threads, [&](int i) {
       const rom::SnapPrediction prediction = predict(first + i, start, pulse, trial);
       margins[i] = margin(prediction);
       switched[i] = prediction.snapped;

@@ -10,9 +10,6 @@
 
 namespace snapwing::planning {
 
-/// Runs body(0) .. body(count - 1) on some threads; what body writes per index does not depend on their number.
-void parallelFor(int count, int threads, const std::function<void(int)>& body);
-
 /// Outcome of one pulse over a fleet.
 struct FleetOutcome {
   double worst = 0;     ///< smallest margin among those tried

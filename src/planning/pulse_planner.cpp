@@ -7,6 +7,7 @@
 
 #include "pulse_search.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/parallel.h"
 
 namespace snapwing::planning {
 
@@ -154,7 +155,7 @@ OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int th
   for (int i = 0; i < throttles; ++i) map.throttles.push_back(gridValue(s.throttle_min, s.throttle_max, i, throttles));
   for (int j = 0; j < durations; ++j) map.durations.push_back(gridValue(s.duration_min, s.duration_max, j, durations));
   map.cells.resize(static_cast<std::size_t>(throttles) * durations);
-  parallelFor(throttles * durations, s.threads, [&](int k) {
+  common::parallelFor(throttles * durations, s.threads, [&](int k) {
     const common::Pulse pulse{map.throttles[k / durations], map.durations[k % durations]};
     const FleetOutcome outcome = fleet.tryPulse(start, pulse, trial, -INFINITY, 1);
     map.cells[k] = {pulse.throttle, pulse.duration, static_cast<double>(outcome.switched) / outcome.tried,

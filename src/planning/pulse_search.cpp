@@ -4,6 +4,8 @@
 #include <nlopt.hpp>
 #include <numeric>
 
+#include "snapwing/common/parallel.h"
+
 namespace snapwing::planning {
 
 namespace {
@@ -41,8 +43,8 @@ void PulseSearch::scan() {
     const auto pulseAt = [&](int j) {
       return common::Pulse{throttle, gridValue(s.duration_min, s.duration_max, j, s.scan_durations)};
     };
-    parallelFor(s.scan_durations, s.threads,
-                [&](int j) { outcomes[j] = fleet_.tryPulse(start_, pulseAt(j), trial_, give_up, 1); });
+    common::parallelFor(s.scan_durations, s.threads,
+                        [&](int j) { outcomes[j] = fleet_.tryPulse(start_, pulseAt(j), trial_, give_up, 1); });
     for (int j = 0; j < s.scan_durations; ++j) {
       ++evaluations_;
       predictions_ += outcomes[j].tried;
@@ -138,8 +140,8 @@ std::vector<ParameterInfluence> PulseSearch::influences(const common::Pulse& pul
   Fleet axes = checked_.emptyCopy();
   axes.add(axisPoints(n));
   std::vector<double> margins(2 * n);
-  parallelFor(2 * n, settings_.threads,
-              [&](int i) { margins[i] = axes.margin(axes.predict(i, start_, pulse, trial_)); });
+  common::parallelFor(2 * n, settings_.threads,
+                      [&](int i) { margins[i] = axes.margin(axes.predict(i, start_, pulse, trial_)); });
   predictions_ += 2 * n;
   std::vector<ParameterInfluence> result(n);
   BoxPoint vertex(n);

@@ -31,12 +31,12 @@ design::ArmJob jobFor(const design::ArmDesignSettings& settings, const DesignJob
     job.feedback(feedbackOf(settings, p));
     return job.preempted();
   };
-  arm_job.checking = [&settings, &job, last = std::string()](const std::string& name) mutable {
-    if (name != last) {
+  arm_job.checking = [&settings, &job](const std::string& name) {
+    if (!name.empty()) {
       OptimizeDesignFeedback feedback;
       feedback.stage = OptimizeDesignFeedback::CHECKING;
       feedback.iteration = feedback.iterations = settings.iterations();
-      feedback.detail = last = name;
+      feedback.detail = name;
       job.feedback(feedback);
     }
     return job.preempted();

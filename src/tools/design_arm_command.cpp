@@ -99,9 +99,8 @@ ArmJob jobOf(const Options& options) {
     if (!options.quiet) showProgress(p);
     return interrupted != 0;
   };
-  job.checking = [&options, last = std::string()](const std::string& name) mutable {
-    if (!options.quiet && name != last) std::fprintf(stderr, "checking %s\n", name.c_str());
-    last = name;
+  job.checking = [&options](const std::string& name) {
+    if (!options.quiet && !name.empty()) std::fprintf(stderr, "checking %s\n", name.c_str());
     return interrupted != 0;
   };
   job.optimized = printRun;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "snapwing/common/error.h"
 #include "snapwing/design/mma_subproblem.h"
@@ -172,6 +173,36 @@ TEST(Mma, CancelAndInfeasibleAndFailureAreStatuses) {
   } broken;
   EXPECT_EQ(makeMma(settings(40, 0.2, false))->run(broken, from(Eigen::VectorXd::Constant(5, 5.0))).status,
             OptimizerStatus::EVALUATION_FAILED);
+}
+
+/// A run whose last iterate leaves the bounds goes back to the latest that met them, also when it was stopped before.
+TEST(Mma, EndsAtTheLatestFeasibleIterate) {
+  class Hop : public Cantilever {
+   public:
+    void beginIteration(int k, int total) override { hop = k + 1 == total; }
+    Evaluated evaluate(const Eigen::VectorXd& x, bool d) override {
+      Evaluated e = Cantilever::evaluate(x, d);
+      if (hop) e.constraints.array() += 0.5;
+      return e;
+    }
+    bool hop = false;
+  } problem;
+  OptimizerSettings s = settings(12, 0.02, false);
+  std::vector<OptimizerState> states;
+  s.progress = [&](const OptimizerReport&, const OptimizerState& state) {
+    states.push_back(state);
+    return false;
+  };
+  const auto r = makeMma(s)->run(problem, from(Eigen::VectorXd::Constant(5, 7.0)));
+  EXPECT_EQ(r.status, OptimizerStatus::ITERATION_LIMIT) << r.message;
+  EXPECT_EQ(r.state.x, states[10].x);
+  EXPECT_EQ(r.violation, 0);
+  EXPECT_EQ(r.history.size(), 13U);
+  const OptimizerState last = states[11];
+  EXPECT_EQ(makeMma(s)->run(problem, last).state.x, r.state.x);
+
+  s.least_iterations = 11;  // none but the last may be the end
+  EXPECT_EQ(makeMma(s)->run(problem, from(Eigen::VectorXd::Constant(5, 7.0))).status, OptimizerStatus::INFEASIBLE);
 }
 
 TEST(Mma, BadSettingsAreRefused) {

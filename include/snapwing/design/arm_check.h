@@ -50,7 +50,8 @@ struct ArmCheck {
 
 /// @param shape     of the thresholded design
 /// @param grey      the optimiser's own field, traced for comparison; empty: not
-/// @param progress  told the case at hand, at every point of its path; true cancels
+/// @param progress  told each case that begins, and "" at every point of a path; true cancels. Cases run side by side
+///                  on the settings' threads, but only one at a time asks
 ArmCheck checkArm(const ArmDesignSettings& settings, const ArmShape& shape, const mpm::DensityField& grey,
                   const std::function<bool(const std::string&)>& progress);
 

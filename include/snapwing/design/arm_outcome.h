@@ -30,7 +30,7 @@ struct ArmJob {
   std::string folder;                                  ///< of the results; made if missing
   bool resume = false;                                 ///< go on from the folder's checkpoint
   std::function<bool(const ArmProgress&)> progress;    ///< each iteration; true cancels
-  std::function<bool(const std::string&)> checking;    ///< name of the case at hand; true cancels
+  std::function<bool(const std::string&)> checking;    ///< the case that begins, else ""; true cancels
   std::function<void(const ArmRun&)> optimized;        ///< the end of the optimisation
   std::function<void(const ArmCheck&)> checked;        ///< the end of the check
   std::function<void(const ArmPartsReport&)> printed;  ///< the end of the parts

@@ -36,7 +36,7 @@ class OptimizationProblem {
 enum class OptimizerStatus {
   NOT_RUN,
   CONVERGED,          ///< largest change of x below the tolerance and feasible
-  ITERATION_LIMIT,    ///< ended where it was told to, feasible
+  ITERATION_LIMIT,    ///< ended where it was told to, feasible: at the last iterate, else at the latest such
   INFEASIBLE,         ///< ended with a constraint violated
   EVALUATION_FAILED,  ///< no shorter step could be evaluated
   CANCELLED,
@@ -58,6 +58,7 @@ struct OptimizerReport {
 struct OptimizerState {
   int iteration = 0;
   Eigen::VectorXd x, x_old, x_older, low, high;  ///< with the moving asymptotes
+  Eigen::VectorXd x_feasible;                    ///< latest that met all bounds once it might end; empty: none
 };
 
 struct OptimizerSettings {

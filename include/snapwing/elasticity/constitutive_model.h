@@ -62,8 +62,9 @@ class ConstitutiveModel {
   bool evaluate(const Matrix<D>& f, double density, Order order, Response<D>& out) const {
     return evaluatePrepared(f, prepare(density), order, out);
   }
-  /// Explicit derivatives by the density at fixed F: dW/drho and dP/drho. Same return value as evaluate().
-  virtual bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const = 0;
+  /// Explicit derivatives by the density at fixed F: dW/drho and dP/drho. Same return value as evaluatePrepared().
+  virtual bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
+                                 Matrix<D>& d_stress) const = 0;
 };
 
 }  // namespace snapwing::elasticity

@@ -32,7 +32,8 @@ class NeoHookean : public ConstitutiveModel<D> {
   DensityInterpolation::Value prepare(double density) const override { return interpolation_.at(density); }
   bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                         Response<D>& out) const override;
-  bool densityDerivative(const Matrix<D>& f, double density, double& d_energy, Matrix<D>& d_stress) const override;
+  bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
+                         Matrix<D>& d_stress) const override;
 
  private:
   /// g(z) + mu z and the derivatives g', g'' of the function of z = ln J beside mu/2 |F|^2.

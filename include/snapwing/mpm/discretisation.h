@@ -111,6 +111,8 @@ class Discretisation {
   template <int S>
   CellResult evaluateCell(int cell, const Eigen::VectorXd& u, elasticity::Order order, Scratch& scratch) const;
   template <int S>
+  double cellDensityDerivative(int cell, const Eigen::VectorXd& u, const Eigen::VectorXd& v) const;
+  template <int S>
   void scatter(int cell, elasticity::Order order, const Scratch& scratch, Assembly& out) const;
 
   std::vector<std::shared_ptr<const Model>> models_;
