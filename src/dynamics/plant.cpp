@@ -73,6 +73,7 @@ void Plant::reset(common::Mode mode) {
   state_.rotor_thrust.assign(rotors, 0.0);
   outputs_.assign(rotors, 0.0);
   hand_ = locked_ = false;
+  push_ = 0;
   state_.centre_position = mode == common::Mode::QUADROTOR ? -features_.second_travel : 0.0;
 }
 
@@ -141,6 +142,11 @@ void Plant::hitStop(double limit) {
 void Plant::grab() { hand_ = true; }
 
 void Plant::release() { hand_ = locked_ = false; }
+
+void Plant::push(double force) {
+  require(std::isfinite(force), "push", force, "a finite force");
+  push_ = force;
+}
 
 bool Plant::atRest() const {
   return ringFixed() && std::abs(state_.ring_speed) < REST_SPEED && std::abs(state_.travelRate()) < REST_SPEED;

@@ -124,7 +124,7 @@ Plant::Rates Plant::accelerations(double ring_position, double ring_speed, doubl
   }
   const double ring_drag = ring_drag_ * std::abs(ring_speed) * ring_speed;
   const double rub = friction_ * std::tanh(ring_speed / FRICTION_SPEED);
-  const double on_ring = thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) - arms -
+  const double on_ring = thrust - ring_drag - rub + handForce(ring_speed, travel, thrust) + push_ - arms -
                          ring_mass_ * settings_.gravity - lift - turn - w.coupled_slope * rate * rate;
   const double m11 = ring_mass_ + 2 * w.coupled + w.kinetic, m12 = -w.coupled - w.kinetic, m22 = mass_c + w.kinetic;
   const double det = m11 * m22 - m12 * m12;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "outside_force.h"
 #include "parameter_cloud.h"
 #include "random_source.h"
 #include "snapwing/common/error.h"
@@ -23,16 +24,31 @@ void require(bool good, const char* name, double value, const char* allowed) {
 
 /// Likelihood of a reading that has nothing to do with the model: uniform over what an accelerometer may show.
 constexpr double OUTLIER_DENSITY = 1.0 / 300.0;  // [s2/m]
+/// Likewise if nothing is known of the vehicle but that it moves somewhere between its stops.
+constexpr double ANYWHERE_DENSITY = 1.0 / 60.0;  // [s2/m]
 
-constexpr double LEAST_NOISE = 0.002;  // [m/s per square root of s] of u' when nothing moves
-constexpr double COMMON_NOISE = 0.05;  // [m/s per square root of s] of the common speed: drag and thrust not modelled
+/// Misses have Student's t of four degrees of freedom: of two particles that miss by far, the nearer one counts more.
+constexpr double TAIL = 4.0;
+constexpr double TAIL_PEAK = 0.375;  // [1] its density at 0
+
+constexpr double LEAST_NOISE = 0.002;     // [m/s per square root of s] of u' when nothing moves
+constexpr double COMMON_NOISE = 0.05;     // [m/s per square root of s] of the common speed: drag, thrust not modelled
+constexpr double MOST_RESTITUTION = 0.6;  // [1] of the mechanical stops
+constexpr int LEAST_KIND = 5;             // at least one of so many particles is touched, and one is not
+constexpr double LOST_SHARE = 0.01;       // [1] probability of getting lost, in each correlation time
+constexpr double LEAST_DOUBT = 0.1;       // [1] probability of being lost from which particles search
+constexpr double SEARCHED_SHARE = 0.4;    // [1] of the particles in each correlation time, when surely lost
+constexpr double SEARCHED_RATE = 1.0;     // [m/s] standard deviation of their u'
+constexpr int CANDIDATES = 16;            // [1] states from which each of them chooses
 
 struct Particle {
   std::shared_ptr<const rom::LumpedModel> model;
   rom::LumpedState state;
   double bias = 0;          ///< [m/s2] of the accelerometer
   double output_delay = 0;  ///< [s] of outputs read back
-  double weight = 1;        ///< normalised
+  double restitution = 0;   ///< [1] of a mechanical stop
+  OutsideForce outside;
+  double weight = 1;  ///< normalised
 };
 
 /// A change of the motors' output; commanded ones take the particle's radio latency to act.
@@ -52,7 +68,12 @@ void EstimatorSettings::validate() const {
           "0 m/s2 or more");
   require(correlation_time > 0 && correlation_time <= 10, "correlation_time", correlation_time, "above 0, up to 10 s");
   require(process_noise >= 0 && std::isfinite(process_noise), "process_noise", process_noise, "0 or more");
+  require(model_error >= 0 && model_error < 1, "model_error", model_error, "0 .. below 1");
+  require(outside_force >= 0 && outside_force <= 1000, "outside_force", outside_force, "0 .. 1000 N");
+  require(outside_rate >= 0 && outside_rate <= 100, "outside_rate", outside_rate, "0 .. 100 per s");
+  require(outside_time >= 0.01 && outside_time <= 100, "outside_time", outside_time, "0.01 .. 100 s");
   require(output_delay >= 0 && output_delay <= 1, "output_delay", output_delay, "0 .. 1 s");
+  require(travel_error >= 0 && travel_error <= 0.01, "travel_error", travel_error, "0 .. 0.01 m");
   require(outlier_share >= 0 && outlier_share < 1, "outlier_share", outlier_share, "0 .. below 1");
   require(step > 0 && step <= 0.01, "step", step, "above 0, up to 0.01 s");
   require(sure > 0.5 && sure < 1, "sure", sure, "between 0.5 and 1");
@@ -62,7 +83,12 @@ void EstimatorSettings::validate() const {
 struct ModeEstimator::Impl {
   Impl(const common::Vehicle& v, const common::ForceTable& table, const EstimatorSettings& s,
        const std::optional<common::WingTable>& wing)
-      : vehicle(v), settings(s), curves(table, wing), random(s.seed), cloud(v, table, s.particles, random) {
+      : vehicle(v),
+        settings(s),
+        curves(table, wing),
+        random(s.seed),
+        touch(s.mount == rom::Mount::HELD ? 0.0 : s.outside_force, s.outside_rate, s.outside_time),
+        cloud(v, table, s.particles, random) {
     trial.mount = s.mount;
     trial.gravity = s.gravity;
     trial.wings = s.wings;
@@ -79,24 +105,37 @@ struct ModeEstimator::Impl {
   double outputFor(const Particle& particle, double at) const;
   void moveTo(double at);
   void forgetOldChanges();
+  void stopAtLimits(Particle* particle) const;
   void weigh(double specific_force);
+  /// Of a reading that is no outlier, given the particle. [s2/m]
+  double readingDensity(const Particle& particle, double specific_force) const;
+  /// Weighs the particles against knowing nothing, by the density that they together gave to a reading.
+  void doubt(double density, double share);
+  /// Puts this share of the particles where the reading could come from.
+  void searchAnew(double share, double specific_force);
+  double effective() const;
   void resample();
+  /// Draws `count` of one kind, which together weigh `weight`.
+  void draw(bool touched, int count, double weight, std::vector<Particle>* next);
 
   common::Vehicle vehicle;
   EstimatorSettings settings;
   rom::VehicleCurves curves;
   RandomSource random;
+  OutsideForceProcess touch;
   ParameterCloud cloud;
   rom::Trial trial;
   std::vector<Particle> particles;
   std::vector<OutputChange> changes;  ///< by time
   double time = 0;
   double last_reading = -INFINITY;
+  double lost = 0;  ///< [1] probability that the vehicle is not where the particles are
 };
 
 void ModeEstimator::Impl::reset(double at, common::Mode initial) {
   time = at;
   last_reading = -INFINITY;
+  lost = 0;
   changes.clear();
   particles.assign(settings.particles, Particle{});
   rom::Trial rest = trial;
@@ -110,6 +149,7 @@ void ModeEstimator::Impl::reset(double at, common::Mode initial) {
     particle.state.time = at;
     particle.bias = settings.accelerometer_bias * random.normal();
     particle.output_delay = settings.output_delay * random.uniform();
+    particle.restitution = MOST_RESTITUTION * random.uniform();
     particle.weight = 1.0 / settings.particles;
   }
 }
@@ -129,11 +169,17 @@ void ModeEstimator::Impl::moveTo(double at) {
   const int count = std::max(1, static_cast<int>(std::ceil(span / settings.step - 1e-9)));
   const double dt = span / count;
   const double spread = std::sqrt(span);
+  double total = 0;
   for (Particle& particle : particles) {
+    particle.weight *= touch.move(&particle.outside, span, random);
+    total += particle.weight;
+    rom::Trial around = trial;
+    around.push = particle.outside.force;
     const double q = particle.model->parameters().quadratic_share;
     for (int i = 0; i < count; ++i) {
       const double demand = common::thrustFraction(q, outputFor(particle, time + (i + 0.5) * dt));
-      particle.state = particle.model->step(particle.state, demand, dt, trial);
+      particle.state = particle.model->step(particle.state, demand, dt, around);
+      stopAtLimits(&particle);
     }
     const double kick = (settings.process_noise * std::abs(particle.state.travelRate()) + LEAST_NOISE) * spread;
     const double common_kick = settings.mount == rom::Mount::HELD ? 0.0 : COMMON_NOISE * spread * random.normal();
@@ -141,8 +187,29 @@ void ModeEstimator::Impl::moveTo(double at) {
     particle.state.centre_speed += common_kick + kick * random.normal();
     particle.state.time = at;
   }
+  for (Particle& particle : particles) particle.weight /= total;
   time = at;
   forgetOldChanges();
+}
+
+void ModeEstimator::Impl::stopAtLimits(Particle* particle) const {
+  rom::LumpedState& state = particle->state;
+  const common::Limits& limits = vehicle.limits;
+  const double limit = std::clamp(state.travel, limits.travel_min, limits.travel_max);
+  if (limit == state.travel) return;
+  const bool outward = (state.travel > limit) == (state.travelRate() > 0);
+  const double change = outward ? -(1.0 + particle->restitution) * state.travelRate() : 0.0;
+  // The blow keeps the momentum m_r z_r' + m_c z_c' + S u'.
+  const common::VehicleParameters& p = particle->model->parameters();
+  double share = 0.0;
+  if (trial.mount != rom::Mount::HELD) {
+    const rom::WingInertia* wing = particle->model->wingsOf(trial);
+    const double ring = p.ring_mass + (trial.mount == rom::Mount::BOOM ? p.boom_mass : 0.0);
+    share = (p.centre_mass - (wing ? wing->at(limit).coupled_mass : 0.0)) / (ring + p.centre_mass);
+  }
+  state.ring_speed += share * change;
+  state.centre_speed -= (1.0 - share) * change;
+  state.travel = limit;
 }
 
 void ModeEstimator::Impl::forgetOldChanges() {
@@ -156,41 +223,92 @@ void ModeEstimator::Impl::forgetOldChanges() {
 void ModeEstimator::Impl::weigh(double specific_force) {
   const double share = std::min(1.0, (time - last_reading) / settings.correlation_time);
   last_reading = time;
-  const double sigma = settings.accelerometer_noise;
-  const double peak = 1.0 / (sigma * std::sqrt(2.0 * M_PI));
+  std::vector<double> fit(particles.size());
+  double explained = 0;
+  const double noise = settings.outlier_share * OUTLIER_DENSITY;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const double density = readingDensity(particles[i], specific_force);
+    explained += particles[i].weight * density;
+    fit[i] = std::log(density + noise);
+  }
+  doubt(explained + noise, share);
+  const double best = *std::max_element(fit.begin(), fit.end());
+  if (!std::isfinite(best)) return;  // nothing fits and no outliers are allowed for: the reading is dropped
   double total = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    particles[i].weight *= std::exp(share * (fit[i] - best));
+    total += particles[i].weight;
+  }
+  for (Particle& particle : particles) particle.weight /= total;
+  if (effective() < 0.5 * settings.particles) resample();
+  if (lost > LEAST_DOUBT) searchAnew(lost * SEARCHED_SHARE * share, specific_force);
+}
+
+double ModeEstimator::Impl::readingDensity(const Particle& particle, double specific_force) const {
+  rom::Trial around = trial;
+  around.push = particle.outside.force;
+  const double expected = particle.model->centreSpecificForce(particle.state, around);
+  // A travel that is off by a little is read as another force where the arms are stiff.
+  const double stiffness = particle.model->potential().at(particle.state.travel).stiffness;
+  const double shift = settings.travel_error * stiffness / particle.model->parameters().centre_mass;
+  const double sigma = std::hypot(settings.accelerometer_noise, settings.model_error * expected, shift);
+  const double miss = (specific_force - expected - particle.bias) / sigma;
+  const double near = 1.0 + miss * miss / TAIL;
+  return (1.0 - settings.outlier_share) * TAIL_PEAK / (sigma * near * near * std::sqrt(near));
+}
+
+void ModeEstimator::Impl::doubt(double density, double share) {
+  // Two hypotheses: the particles are where the vehicle is, or it may be anywhere, where every reading is as likely.
+  const double before = lost + (1.0 - lost) * LOST_SHARE * share;
+  const double anywhere = before * std::pow(ANYWHERE_DENSITY, share);
+  lost = anywhere / (anywhere + (1.0 - before) * std::pow(density, share));
+}
+
+void ModeEstimator::Impl::searchAnew(double share, double specific_force) {
+  const double low = vehicle.limits.travel_min, range = vehicle.limits.travel_max - low;
   for (Particle& particle : particles) {
-    const double expected = particle.model->centreSpecificForce(particle.state, trial);
-    const double miss = (specific_force - expected - particle.bias) / sigma;
-    const double density =
-        (1.0 - settings.outlier_share) * peak * std::exp(-0.5 * miss * miss) + settings.outlier_share * OUTLIER_DENSITY;
-    particle.weight *= std::pow(density, share);
-    total += particle.weight;
+    if (random.uniform() >= share) continue;
+    // Anywhere within the stops, at any likely speed, as far as the reading allows it.
+    double total = 0;
+    Particle chosen = particle, candidate = particle;
+    for (int i = 0; i < CANDIDATES; ++i) {
+      candidate.state.travel = low + range * random.uniform();
+      candidate.state.centre_speed = candidate.state.ring_speed - SEARCHED_RATE * random.normal();
+      const double density = readingDensity(candidate, specific_force);
+      total += density;
+      if (density > 0 && random.uniform() * total < density) chosen = candidate;
+    }
+    if (total < CANDIDATES * 0.1 * OUTLIER_DENSITY) continue;  // no state explains it
+    particle = chosen;
+    particle.weight = 1.0 / settings.particles;
   }
-  if (!(total > 0)) {  // nothing fits and no outliers are allowed for: the reading is dropped
-    for (Particle& particle : particles) particle.weight = 1.0 / settings.particles;
-    return;
-  }
+  double sum = 0;
+  for (const Particle& particle : particles) sum += particle.weight;
+  for (Particle& particle : particles) particle.weight /= sum;
+}
+
+double ModeEstimator::Impl::effective() const {
   double squares = 0;
-  for (Particle& particle : particles) {
-    particle.weight /= total;
-    squares += particle.weight * particle.weight;
-  }
-  if (1.0 / squares < 0.5 * settings.particles) resample();
+  for (const Particle& particle : particles) squares += particle.weight * particle.weight;
+  return 1.0 / squares;
 }
 
 void ModeEstimator::Impl::resample() {
-  // Systematic: one random number for all.
+  // Those who believe in a touch and those who do not, each kind apart and never fewer than a fifth of all: a force
+  // needs some readings to show, and until then its weight is small [Boers and Driessen 2003].
+  double touched = 0;
+  std::size_t with = 0;
+  for (const Particle& particle : particles) {
+    if (particle.outside.touched()) touched += particle.weight, ++with;
+  }
+  const int all = settings.particles, least = all / LEAST_KIND;
+  int count = std::clamp(static_cast<int>(std::lround(all * touched)), least, all - least);
+  if (with == 0 || !(touched > 0)) count = 0;
+  if (with == particles.size() || !(touched < 1)) count = all;
   std::vector<Particle> next;
   next.reserve(particles.size());
-  const double spacing = 1.0 / settings.particles;
-  double at = spacing * random.uniform(), sum = particles.front().weight;
-  std::size_t k = 0;
-  for (int i = 0; i < settings.particles; ++i, at += spacing) {
-    while (sum < at && k + 1 < particles.size()) sum += particles[++k].weight;
-    next.push_back(particles[k]);
-    next.back().weight = spacing;
-  }
+  draw(true, count, touched, &next);
+  draw(false, all - count, 1.0 - touched, &next);
   std::vector<common::VehicleParameters> parameters;
   for (const Particle& particle : next) parameters.push_back(particle.model->parameters());
   cloud.scatter(parameters, random);
@@ -199,6 +317,23 @@ void ModeEstimator::Impl::resample() {
     next[i].bias += 0.1 * settings.accelerometer_bias * random.normal();
   }
   particles = std::move(next);
+}
+
+void ModeEstimator::Impl::draw(bool touched, int count, double weight, std::vector<Particle>* next) {
+  if (count <= 0) return;
+  std::vector<const Particle*> kind;
+  for (const Particle& particle : particles) {
+    if (particle.outside.touched() == touched) kind.push_back(&particle);
+  }
+  // Systematic: one random number for all.
+  const double spacing = weight / count;
+  double at = spacing * random.uniform(), sum = kind.front()->weight;
+  std::size_t k = 0;
+  for (int i = 0; i < count; ++i, at += spacing) {
+    while (sum < at && k + 1 < kind.size()) sum += kind[++k]->weight;
+    next->push_back(*kind[k]);
+    next->back().weight = spacing;
+  }
 }
 
 ModeEstimator::ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table,
@@ -220,6 +355,7 @@ void ModeEstimator::atRest(double time) {
   for (Particle& particle : impl_->particles) {
     particle.state.centre_speed -= particle.state.ring_speed;
     particle.state.ring_speed = 0.0;
+    particle.outside = {};
   }
 }
 
@@ -252,11 +388,10 @@ ModeEstimate ModeEstimator::estimate() const {
   ModeEstimate result;
   result.time = impl_->time;
   const double barrier = impl_->curves.spline().equilibria().barrier;
-  double quadrotor = 0, mean = 0, squares = 0, weights = 0;
+  double quadrotor = 0, mean = 0, squares = 0;
   for (const Particle& particle : impl_->particles) {
     if (particle.state.travel > barrier) quadrotor += particle.weight;
     mean += particle.weight * particle.state.travel;
-    weights += particle.weight * particle.weight;
   }
   for (const Particle& particle : impl_->particles) {
     squares += particle.weight * (particle.state.travel - mean) * (particle.state.travel - mean);
@@ -264,8 +399,8 @@ ModeEstimate ModeEstimator::estimate() const {
   result.probability_quadrotor = std::clamp(quadrotor, 0.0, 1.0);
   result.probability_fixed_wing = 1.0 - result.probability_quadrotor;
   result.travel = mean;
-  result.travel_deviation = std::sqrt(squares);
-  result.effective_particles = 1.0 / weights;
+  result.travel_deviation = std::hypot(std::sqrt(squares), impl_->settings.travel_error);
+  result.effective_particles = impl_->effective();
   if (result.probability_fixed_wing >= impl_->settings.sure) result.mode = common::Mode::FIXED_WING;
   if (result.probability_quadrotor >= impl_->settings.sure) result.mode = common::Mode::QUADROTOR;
   return result;

@@ -109,7 +109,7 @@ RelativeLoad LumpedModel::relativeLoad(const LumpedState& state, const Trial& tr
   const double centre = parameters_.centre_mass;
   const double centre_drag = drag(parameters_.centre_drag, state.centre_speed).force;
   if (trial.mount == Mount::HELD) return {centre * trial.gravity + centre_drag, trial.gravity};
-  const double push = state.thrust - ringResistance(state.ring_speed, trial).force;
+  const double push = state.thrust + trial.push - ringResistance(state.ring_speed, trial).force;
   const double ring = ringMass(trial), all = ring + centre;
   // Gravity pulls all alike and drops out of the relative motion.
   return {(centre * push + ring * centre_drag) / all, (push - centre_drag) / all};

@@ -18,9 +18,9 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
   const double mean_thrust = wanted + (state.thrust - wanted) * decay * lag / dt;
 
   if (const WingInertia* wing = wingsOf(trial)) {
-    wingedStep(state, mean_thrust, dt, trial, *wing, &next);
+    wingedStep(state, mean_thrust + trial.push, dt, trial, *wing, &next);
   } else {
-    plainStep(state, mean_thrust, dt, trial, &next);
+    plainStep(state, mean_thrust + trial.push, dt, trial, &next);
   }
   return next;
 }

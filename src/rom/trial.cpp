@@ -51,6 +51,8 @@ void Trial::validate() const {
   require(std::abs(gravity) <= 100.0, "gravity", gravity, "-100 .. 100 m/s2");
   require(std::abs(initial_speed) <= 200.0, "initial_speed", initial_speed, "-200 .. 200 m/s");
   require(mount != Mount::HELD || initial_speed == 0.0, "initial_speed", initial_speed, "0 when the ring is held");
+  require(std::isfinite(push), "push", push, "a finite force");
+  require(mount != Mount::HELD || push == 0.0, "push", push, "0 when the ring is held");
   require(horizon > 0.0 && horizon <= 60.0, "horizon", horizon, "above 0, up to 60 s");
   if (wings.value_or(false) && mount == Mount::BOOM) common::refuseWingsOnBoom("trial");
   requireShare("initial_thrust_fraction", initial_thrust_fraction);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "snapwing/common/error.h"
 #include "snapwing/common/pulse.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/rom/lumped_model.h"
@@ -118,6 +119,39 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
   }
   EXPECT_GE(switched, 8);
   EXPECT_GE(compared, 12);
+}
+
+TEST(PlantAgainstRom, SamePushSameMotion) {
+  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::ForceTable table = snapwing::testing::exampleTable();
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  common::VehicleParameters p = drawParameters(vehicle, table, 5);
+  p.wing_friction = 0;  // its step differs
+  PlantSettings settings;
+  settings.mount = PlantMount::FREE;
+  for (const bool wings : {false, true}) {
+    settings.wings = wings;
+    Plant plant(vehicle, table, p, settings, wing);
+    plant.reset(common::Mode::QUADROTOR);
+    const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, p, {}, wing);
+    rom::Trial trial;
+    trial.wings = wings;
+    trial.initial_thrust_fraction = 0.0;
+    rom::LumpedState state = model.startState(common::Mode::QUADROTOR, trial);
+    for (const double push : {6.0, -2.0, 0.0}) {
+      plant.push(push);
+      trial.push = push;
+      for (int i = 0; i < 200; ++i) {
+        state = model.step(state, 0.0, 5e-4, trial);
+        plant.advanceTo(plant.state().time + 5e-4);
+        ASSERT_NEAR(plant.state().travel(), state.travel, 1.5e-4) << "push " << push << " wings " << wings;
+        ASSERT_NEAR(plant.centreSpecificForce(), model.centreSpecificForce(state, trial), 0.5);
+      }
+      EXPECT_NEAR(plant.state().ring_speed, state.ring_speed, 5e-3);
+    }
+    EXPECT_GT(std::abs(plant.state().ring_speed), 0.1);
+    EXPECT_THROW(plant.push(NAN), common::Error);
+  }
 }
 
 }  // namespace

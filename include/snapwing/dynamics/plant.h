@@ -2,7 +2,7 @@
 /// The simulated vehicle: its own true model, written independently of the reduced model that plans for it. Absolute
 /// positions of ring and centre, one lag per rotor, own interpolation of the table (cubic force), mechanical stops,
 /// the experimenter's hand; explicit fourth-order Runge-Kutta with a small fixed step.
-///   m_r z_r'' = T - D_r - friction + H - F(u) - c u' - m_r g      (H: hand, only when it holds)
+///   m_r z_r'' = T - D_r - friction + H + P - F(u) - c u' - m_r g  (H: hand, only when it holds; P: push from outside)
 ///   m_c z_c'' =     - D_c             + F(u) + c u' - m_c g       u = z_r - z_c
 /// Wings that are on (dynamics/plant_forces.cpp) add their inertia to both equations, and friction at their pins.
 
@@ -68,6 +68,9 @@ class Plant {
   void grab();
   void release();
   bool held() const { return hand_; }
+  /// Somebody pushes the ring side from now on; a ring that is held firmly does not feel it. Ends with reset().
+  /// @param force [N] along the thrust axis; 0: no longer. @throws common::Error if not finite
+  void push(double force);
   /// Held and standing still (|u'| and ring speed small).
   bool atRest() const;
 
@@ -112,6 +115,7 @@ class Plant {
   double ring_mass_, ring_drag_, friction_;
   std::vector<double> outputs_;
   PlantState state_;
+  double push_ = 0;  ///< [N]
   bool hand_ = false;
   bool locked_ = false;  ///< the hand has brought the ring to rest and holds it firmly
 };

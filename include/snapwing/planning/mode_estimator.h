@@ -2,7 +2,10 @@
 /// Estimates travel and mode from what a vehicle really has: motor outputs read back from the flight controller and the
 /// accelerometer at the centre. Particle filter: each particle is a vehicle drawn from the uncertainty box with its own
 /// u, u', speed and thrust, moved by the lumped model and weighted by the specific force that it predicts,
-///   a = (F(u) + c u' - D_c) / m_c   (a Gaussian around the measurement; with wings also what they do to the centre).
+///   a = (F(u) + c u' - D_c) / m_c   (with wings also what they do to the centre)
+/// by Student's t with the scale sigma^2 = accelerometer_noise^2 + (model_error a)^2 + (travel_error F'(u) / m_c)^2.
+/// A force from outside on the ring side is a jump Markov process of each particle, the mechanical stops of the vehicle
+/// file throw it back, and readings that no particle explains start a new search. docs/planning.md describes all this.
 
 #include <cstdint>
 #include <memory>
@@ -17,7 +20,7 @@
 namespace snapwing::planning {
 
 struct EstimatorSettings {
-  int particles = 400;
+  int particles = 600;
   std::uint64_t seed = 7;            ///< equal seeds and inputs give equal estimates
   double accelerometer_noise = 0.5;  ///< [m/s2] standard deviation, sensor and what the model lacks
   double accelerometer_bias = 0.2;   ///< [m/s2] standard deviation of a constant offset, one per particle
@@ -26,10 +29,20 @@ struct EstimatorSettings {
   /// [1 per square root of s] random walk of u' in proportion to |u'|: errors of the model show when things move. Noise
   /// that never sleeps would favour the softer mode whenever the sensor is quiet.
   double process_noise = 0.3;
-  double output_delay = 0.02;   ///< [s] motor outputs act up to this long after their stamp, different per particle
-  double outlier_share = 0.01;  ///< [1] readings that say nothing (a wide floor under the weights)
-  double step = 2e-3;           ///< [s] of the particles' motion
-  double sure = 0.95;           ///< [1] probability from which a mode counts as known
+  /// [1] share of the expected specific force by which model and sensor are wrong, added to the noise as its square
+  double model_error = 0.03;
+  double output_delay = 0.02;  ///< [s] motor outputs act up to this long after their stamp, different per particle
+  /// [m] standard deviation of what model and tables get wrong in u: adds to the noise where the arms are stiff, and to
+  /// the deviation that is told
+  double travel_error = 3e-4;
+  double outlier_share = 1e-3;  ///< [1] readings that say nothing (a wide floor under the weights)
+  /// Somebody may touch the ring side (src/planning/outside_force.h): Laplace distributed force with this standard
+  /// deviation [N], 0 = nobody ever does
+  double outside_force = 10.0;
+  double outside_rate = 1.0;  ///< [1/s] how often a touch begins
+  double outside_time = 0.3;  ///< [s] how long it lasts on average, and how long its force stays about the same
+  double step = 2e-3;         ///< [s] of the particles' motion
+  double sure = 0.95;         ///< [1] probability from which a mode counts as known
   rom::Mount mount = rom::Mount::BOOM;
   double gravity = 0;         ///< [m/s2] against the thrust axis
   std::optional<bool> wings;  ///< on or off, as in rom::Trial

@@ -1,7 +1,7 @@
 #pragma once
 /// Two bodies on the thrust axis, joined by the arms' potential: ring side m_r (with the boom, if mounted on one) and
 /// centre m_c, u = z_ring - z_centre.
-///   m_r z_r'' = T - D_r(z_r') - friction - F(u) - c u' - m_r g
+///   m_r z_r'' = T - D_r(z_r') - friction - F(u) - c u' - m_r g + P     (P: push from outside, of the trial)
 ///   m_c z_c'' =     - D_c(z_c')          + F(u) + c u' - m_c g
 /// With wings (rom/wing_inertia.h) the travel has the inertia m(u) = m_c + K - (m_c - S)^2 / (m_r + m_c) and
 ///   m(u) u'' + m'(u) u'^2 / 2 = L(u) - F(u) - c u' - friction of the pins
@@ -90,7 +90,7 @@ class LumpedModel {
   /// unloaded equilibrium)
   LumpedState startState(common::Mode mode, const Trial& trial, bool* held = nullptr) const;
 
-  /// Load on the relative motion [N, m/s2]. Free and boom: mu ((T - D_r - friction)/m_r + D_c/m_c), and with wings
+  /// Load on the relative motion [N, m/s2]. Free and boom: mu ((T + P - D_r - friction)/m_r + D_c/m_c), and with wings
   /// the specific force of the whole vehicle. HELD: m_c g + D_c, and g.
   RelativeLoad relativeLoad(const LumpedState& state, const Trial& trial) const;
   /// Inertia of the relative motion at u [kg]: mu = m_r m_c / (m_r + m_c), m_c if held, and what the wings add.

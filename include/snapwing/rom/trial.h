@@ -26,6 +26,7 @@ struct Trial {
   Mount mount = Mount::FREE;
   double gravity = 0;        ///< [m/s2] pull against the thrust axis: 9.81 = upright, 0 = level axis, -9.81 = inverted
   double initial_speed = 0;  ///< [m/s] of ring and centre along the thrust axis (not for HELD)
+  double push = 0;           ///< [N] steady force from outside on the ring side, along the thrust axis (not for HELD)
   /// [0, 1] steady thrust / full thrust before the pulse; unset = motors idle. Held until the pulse reaches the motors.
   std::optional<double> initial_thrust_fraction;
   /// [0, 1] thrust that the command returns to after the pulse; unset = motors idle (throttle low).

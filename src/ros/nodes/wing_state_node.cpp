@@ -53,6 +53,11 @@ WingStateSettings readSettings(Params& params) {
   s.estimator.accelerometer_noise = params.number("accelerometer_noise", {1e-3, 20.0}, "m/s2");
   s.estimator.accelerometer_bias = params.number("accelerometer_bias", {0.0, 5.0}, "m/s2");
   s.estimator.outlier_share = params.number("outlier_share", {0.0, 0.5}, "1");
+  s.estimator.outside_force = params.number("outside_force", {0.0, 1000.0}, "N");
+  s.estimator.outside_rate = params.number("outside_rate", {0.0, 100.0}, "1/s");
+  s.estimator.outside_time = params.number("outside_time", {0.01, 100.0}, "s");
+  s.estimator.model_error = params.number("model_error", {0.0, 0.5}, "1");
+  s.estimator.travel_error = params.number("travel_error", {0.0, 0.01}, "m");
   s.estimator.step = params.number("step", {1e-4, 0.01}, "s");
   s.estimator.sure = params.number("sure", {0.5, 0.9999}, "1");
   s.estimator.mount = rom::mountFromName(params.choice("mount", {"free", "boom", "held"}));

@@ -1,0 +1,224 @@
+// The mode estimate while somebody brakes or pushes the simulated vehicle, which nobody tells the estimator.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "outside_force.h"
+#include "snapwing/common/error.h"
+#include "snapwing/common/pulse.h"
+#include "snapwing/dynamics/plant.h"
+#include "snapwing/planning/mode_estimator.h"
+
+namespace snapwing::planning {
+namespace {
+
+using common::Mode;
+
+constexpr double READING = 0.005;  // [s]
+
+struct Tools {
+  common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
+};
+
+const Tools& tools() {
+  static const Tools instance;
+  return instance;
+}
+
+dynamics::PlantSettings hand(double share) {
+  dynamics::PlantSettings settings;
+  settings.hand_share_q = share;
+  return settings;
+}
+
+EstimatorSettings seeded(std::uint64_t seed) {
+  EstimatorSettings settings;
+  settings.seed = seed;
+  return settings;
+}
+
+/// A vehicle on the boom and what is believed of it.
+class Watched {
+ public:
+  Watched(std::uint64_t seed, Mode start, const dynamics::PlantSettings& flight = {})
+      : plant_(tools().vehicle, tools().table, dynamics::drawParameters(tools().vehicle, tools().table, seed), flight),
+        estimator_(tools().vehicle, tools().table, seeded(seed)),
+        random_(static_cast<std::mt19937::result_type>(seed)) {
+    plant_.reset(start);
+    estimator_.reset(0.0, start);
+    bias_ = std::normal_distribution<double>(0.0, 0.1)(random_);
+  }
+
+  /// Motors at a throttle for some time.
+  void run(double throttle, double length) {
+    const double output = common::motorOutput(tools().vehicle.radio, throttle);
+    plant_.setMotorOutputs({output, output, output, output});
+    estimator_.motorOutput(time_, output);
+    for (const long count = std::lround(length / READING), begin = readings_; readings_ < begin + count;) {
+      plant_.advanceTo(time_ += READING);
+      const double noise = std::normal_distribution<double>(0.0, 0.3)(random_);
+      estimator_.accelerometer(time_, plant_.centreSpecificForce() + bias_ + noise);
+      const ModeEstimate said = estimator_.estimate();
+      ++readings_;
+      if (said.mode != Mode::UNKNOWN && plant_.mode() != Mode::UNKNOWN && said.mode != plant_.mode()) ++wrong_;
+      if (std::abs(said.travel - plant_.state().travel()) < 2.0 * said.travel_deviation) ++inside_;
+    }
+  }
+
+  void switchToQ() {
+    run(0.0, 0.3);
+    run(0.647, 0.171);
+    run(0.0, 1.0);
+  }
+
+  dynamics::Plant& plant() { return plant_; }
+  ModeEstimate estimate() const { return estimator_.estimate(); }
+  int wrong() const { return wrong_; }  ///< readings after which the estimate was sure of the wrong mode
+  int inside() const { return inside_; }
+  int readings() const { return readings_; }
+
+ private:
+  dynamics::Plant plant_;
+  ModeEstimator estimator_;
+  std::mt19937 random_;
+  double time_ = 0, bias_ = 0;
+  int readings_ = 0, wrong_ = 0, inside_ = 0;
+};
+
+constexpr int SEEDS = 12;
+
+/// Sums over the seeds of one test.
+struct Sum {
+  int changed = 0, right = 0, wrong = 0, inside = 0, readings = 0;
+  void add(Watched& w, Mode start) {
+    const Mode said = w.estimate().mode;
+    changed += w.plant().mode() != start;
+    right += said == w.plant().mode();
+    EXPECT_TRUE(said == Mode::UNKNOWN || said == w.plant().mode()) << common::modeName(said);
+    wrong += w.wrong();
+    inside += w.inside();
+    readings += w.readings();
+  }
+  void check() const {
+    EXPECT_GE(right, SEEDS - 1);
+    EXPECT_LE(wrong, readings / 200);
+    EXPECT_GE(inside, readings * 85 / 100);
+  }
+};
+
+TEST(TouchedEstimate, GentleHandIsNoSwitch) {
+  Sum sum;
+  for (int seed = 1; seed <= SEEDS; ++seed) {
+    Watched w(seed, Mode::FIXED_WING);
+    w.switchToQ();
+    w.plant().grab();
+    w.run(0.0, 1.5);
+    EXPECT_EQ(w.plant().mode(), Mode::QUADROTOR);
+    sum.add(w, Mode::QUADROTOR);
+  }
+  sum.check();
+}
+
+TEST(TouchedEstimate, HandThatBrakesTooHardIsSeenToLoseQ) {
+  Sum sum;
+  for (int seed = 1; seed <= SEEDS; ++seed) {
+    Watched w(seed, Mode::FIXED_WING, hand(0.99));
+    w.switchToQ();
+    w.plant().grab();
+    w.run(0.0, 1.5);
+    EXPECT_EQ(w.plant().mode(), Mode::FIXED_WING);
+    sum.add(w, Mode::QUADROTOR);
+  }
+  EXPECT_EQ(sum.changed, SEEDS);
+  sum.check();
+}
+
+TEST(TouchedEstimate, PushesThatSnapItAreSeen) {
+  for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+    Sum sum;
+    for (int seed = 1; seed <= SEEDS; ++seed) {
+      Watched w(seed, start);
+      w.run(0.0, 0.5);
+      w.plant().push(start == Mode::FIXED_WING ? 15.0 : -6.0);
+      w.run(0.0, 0.2);
+      w.plant().push(0.0);
+      w.run(0.0, 1.5);
+      sum.add(w, start);
+    }
+    EXPECT_GE(sum.changed, SEEDS / 2);
+    sum.check();
+  }
+}
+
+TEST(TouchedEstimate, WithoutTheForceTheFallIsNotSeen) {
+  // What the force is for. If this begins to fail, the tests above no longer show anything.
+  Watched w(1, Mode::QUADROTOR);
+  EstimatorSettings settings;
+  settings.outside_force = 0.0;
+  ModeEstimator ignorant(tools().vehicle, tools().table, settings);
+  ignorant.reset(0.0, Mode::QUADROTOR);
+  ignorant.motorOutput(0.0, 0.0);
+  w.plant().push(-2.0);
+  for (double t = READING; t < 0.1; t += READING) {
+    w.plant().advanceTo(t);
+    ignorant.accelerometer(t, w.plant().centreSpecificForce());
+  }
+  const double error = std::abs(ignorant.estimate().travel - w.plant().state().travel());
+  EXPECT_GT(error, 2.0 * ignorant.estimate().travel_deviation);
+}
+
+TEST(TouchedEstimate, ForcesHaveTheDistributionThatTheyAreSaidToHave) {
+  const double strength = 4.0, rate = 0.5, time = 0.4;
+  const OutsideForceProcess process(strength, rate, time);
+  RandomSource random(3);
+  double all = 0, touched = 0, squares = 0;
+  for (int i = 0; i < 40000; ++i) {
+    OutsideForce force;
+    double weight = 1;
+    for (int k = 0; k < 60; ++k) weight *= process.move(&force, 0.05, random);  // far beyond rate + 1 / time
+    all += weight;
+    if (force.touched()) touched += weight, squares += weight * force.force * force.force;
+  }
+  EXPECT_NEAR(all / 40000, 1.0, 0.05);
+  EXPECT_NEAR(touched / all, rate * time / (1.0 + rate * time), 0.02);
+  EXPECT_NEAR(std::sqrt(squares / touched), strength, 0.3);
+  OutsideForce none;
+  EXPECT_EQ(OutsideForceProcess(0.0, rate, time).move(&none, 1.0, random), 1.0);
+  EXPECT_FALSE(none.touched());
+}
+
+TEST(TouchedEstimate, ParticlesStayWithinTheStops) {
+  ModeEstimator estimator(tools().vehicle, tools().table);
+  estimator.reset(0.0, Mode::FIXED_WING);
+  const common::Limits& limits = tools().vehicle.limits;
+  for (double t = READING; t < 1.0; t += READING) {
+    estimator.accelerometer(t, -60.0);  // beyond the stop without one
+    EXPECT_GE(estimator.estimate().travel, limits.travel_min);
+    EXPECT_LE(estimator.estimate().travel, limits.travel_max);
+  }
+}
+
+TEST(TouchedEstimate, BadSettingsAreNamed) {
+  const auto refused = [](const std::string& name, auto set) {
+    EstimatorSettings settings;
+    set(settings);
+    try {
+      settings.validate();
+      FAIL() << name;
+    } catch (const common::Error& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+  };
+  refused("outside_force", [](auto& s) { s.outside_force = -1.0; });
+  refused("outside_force", [](auto& s) { s.outside_force = NAN; });
+  refused("outside_rate", [](auto& s) { s.outside_rate = -0.1; });
+  refused("outside_time", [](auto& s) { s.outside_time = 0.0; });
+  refused("model_error", [](auto& s) { s.model_error = 1.0; });
+  refused("travel_error", [](auto& s) { s.travel_error = NAN; });
+}
+
+}  // namespace
+}  // namespace snapwing::planning
