@@ -33,6 +33,7 @@ constexpr double TAIL_PEAK = 0.375;  // [1] its density at 0
 
 constexpr double LEAST_NOISE = 0.002;     // [m/s per square root of s] of u' when nothing moves
 constexpr double COMMON_NOISE = 0.05;     // [m/s per square root of s] of the common speed: drag, thrust not modelled
+constexpr double MOVING = 0.1;            // [m/s] of u', above which errors of the travel show in full
 constexpr double MOST_RESTITUTION = 0.6;  // [1] of the mechanical stops
 constexpr int LEAST_KIND = 5;             // at least one of so many particles is touched, and one is not
 constexpr double LOST_SHARE = 0.01;       // [1] probability of getting lost, in each correlation time
@@ -248,9 +249,11 @@ double ModeEstimator::Impl::readingDensity(const Particle& particle, double spec
   rom::Trial around = trial;
   around.push = particle.outside.force;
   const double expected = particle.model->centreSpecificForce(particle.state, around);
-  // A travel that is off by a little is read as another force where the arms are stiff.
+  // A travel that is off by a little is read as another force where the arms are stiff. Only while it moves: at rest
+  // this would make the softer mode the likelier one.
   const double stiffness = particle.model->potential().at(particle.state.travel).stiffness;
-  const double shift = settings.travel_error * stiffness / particle.model->parameters().centre_mass;
+  const double rate = particle.state.travelRate(), moves = rate / std::hypot(rate, MOVING);
+  const double shift = moves * settings.travel_error * stiffness / particle.model->parameters().centre_mass;
   const double sigma = std::hypot(settings.accelerometer_noise, settings.model_error * expected, shift);
   const double miss = (specific_force - expected - particle.bias) / sigma;
   const double near = 1.0 + miss * miss / TAIL;
