@@ -1,6 +1,6 @@
 // How well the mode estimator knows what it does not know: the simulated vehicle (dynamics, not the estimator's own
 // model) is switched, braked and pushed, with a noisy, biased accelerometer and motor outputs read back late.
-//   bench_estimator [seeds=40] [first=101] [case=PART OF A NAME] [member=value ...]   members of EstimatorSettings
+//   bench_estimator [seeds=20] [first=101] [case=PART OF A NAME] [member=value ...]   members of EstimatorSettings
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -232,7 +232,7 @@ int main(int argc, char** argv) {
                                             {"travel_error", &settings.travel_error},
                                             {"step", &settings.step},
                                             {"outlier_share", &settings.outlier_share}};
-  int seeds = 40, first = 101;
+  int seeds = 20, first = 101;
   std::string only;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];

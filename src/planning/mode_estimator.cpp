@@ -38,6 +38,7 @@ constexpr double MOST_RESTITUTION = 0.6;  // [1] of the mechanical stops
 constexpr int LEAST_KIND = 5;             // at least one of so many particles is touched, and one is not
 constexpr double LOST_SHARE = 0.01;       // [1] probability of getting lost, in each correlation time
 constexpr double LEAST_DOUBT = 0.1;       // [1] probability of being lost from which particles search
+constexpr double MOST_DOUBT = 0.9;        // [1]
 constexpr double SEARCHED_SHARE = 0.4;    // [1] of the particles in each correlation time, when surely lost
 constexpr double SEARCHED_RATE = 1.0;     // [m/s] standard deviation of their u'
 constexpr int CANDIDATES = 16;            // [1] states from which each of them chooses
@@ -262,7 +263,7 @@ double ModeEstimator::Impl::readingDensity(const Particle& particle, double spec
 
 void ModeEstimator::Impl::doubt(double density, double share) {
   // Two hypotheses: the particles are where the vehicle is, or it may be anywhere, where every reading is as likely.
-  const double before = lost + (1.0 - lost) * LOST_SHARE * share;
+  const double before = std::min(MOST_DOUBT, lost + (1.0 - lost) * LOST_SHARE * share);  // else never found again
   const double anywhere = before * std::pow(ANYWHERE_DENSITY, share);
   lost = anywhere / (anywhere + (1.0 - before) * std::pow(density, share));
 }
