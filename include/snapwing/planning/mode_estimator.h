@@ -3,7 +3,8 @@
 /// accelerometer at the centre. Particle filter: each particle is a vehicle drawn from the uncertainty box with its own
 /// u, u', speed and thrust, moved by the lumped model and weighted by the specific force that it predicts,
 ///   a = (F(u) + c u' - D_c) / m_c   (with wings also what they do to the centre)
-/// by Student's t with the scale sigma^2 = accelerometer_noise^2 + (model_error a)^2 + (travel_error F'(u) / m_c)^2.
+/// by Student's t with the scale sigma^2 = accelerometer_noise^2 + (model_error a)^2 + (travel_error F'(u) / m_c)^2,
+/// the last only while u moves.
 /// A force from outside on the ring side is a jump Markov process of each particle, the mechanical stops of the vehicle
 /// file throw it back, and readings that no particle explains start a new search. docs/planning.md describes all this.
 
