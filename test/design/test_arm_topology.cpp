@@ -1,6 +1,7 @@
 // The arm problem: settings, gradients, a short run that goes the right way, resume, honest failures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -120,6 +121,43 @@ TEST(ArmCheck, AnUnsupportedDesignIsNotBistableAndNoError) {
   const ArmCheck check = checkArm(s, nothing, {}, nullptr);
   EXPECT_FALSE(check.bistable);
   EXPECT_FALSE(check.cases.front().message.empty());
+}
+
+TEST(ArmCheck, SideBySideChangesNothingAndTellsEachCaseOnce) {
+  ArmDesignSettings s = coarse();
+  s.check_cells = {0.004, 0.002};
+  s.check_offset = 0.0002;
+  s.check_quadratic_cell = 0.004;
+  s.check_volumetric_cell = 0;
+  s.check_step = 0.004;
+  const mpm::DensityField field =
+      loadDesignedDensity(s, std::string(SNAPWING_SOURCE_DIR) + "/data/arms/arris_x220.csv");
+  const ArmShape shape(field);
+  const auto checked = [&](int threads, std::vector<std::string>& told) {
+    s.threads = threads;
+    return checkArm(s, shape, field, [&told](const std::string& name) {
+      if (!name.empty()) told.push_back(name);
+      return false;
+    });
+  };
+  std::vector<std::string> names_one, names_three, names;
+  const ArmCheck one = checked(1, names_one), three = checked(3, names_three);
+  ASSERT_EQ(one.cases.size(), 6U);
+  ASSERT_EQ(three.cases.size(), one.cases.size());
+  for (std::size_t k = 0; k < one.cases.size(); ++k) {
+    names.push_back(one.cases[k].name);
+    EXPECT_EQ(one.cases[k].name, three.cases[k].name);
+    EXPECT_TRUE(one.cases[k].traced) << one.cases[k].message;
+    EXPECT_EQ(one.cases[k].table.force, three.cases[k].table.force) << names.back();
+  }
+  for (std::vector<std::string>* list : {&names, &names_one, &names_three}) std::sort(list->begin(), list->end());
+  EXPECT_EQ(names_one, names);
+  EXPECT_EQ(names_three, names);
+
+  int asked = 0;
+  const ArmCheck stopped = checkArm(s, shape, field, [&asked](const std::string&) { return ++asked > 5; });
+  EXPECT_FALSE(stopped.complete);
+  EXPECT_FALSE(stopped.bistable);
 }
 
 }  // namespace
