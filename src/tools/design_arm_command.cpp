@@ -63,13 +63,13 @@ void printCheck(const ArmCheck& check) {
       std::printf("  %-18s not traced: %s\n", c.name.c_str(), c.message.c_str());
       continue;
     }
-    std::printf(
-        "  %-18s peak %.3f N @ %.1f mm, valley %+.3f N @ %.1f mm, second %.1f mm, rotation %.3f rad, hysteresis %.2f "
-        "%%, "
-        "unstable %d, bistable %s\n",
-        c.name.c_str(), c.features.peak_force, 1e3 * c.features.peak_travel, c.features.valley_force,
-        1e3 * c.features.valley_travel, 1e3 * c.features.second_travel, c.rotation_second, 100 * c.hysteresis_share,
-        c.unstable_points, c.bistable ? "yes" : "no");
+    char turned[40] = "";
+    if (c.turns) std::snprintf(turned, sizeof turned, "rotation %.3f rad, ", c.rotation_second);
+    std::printf("  %-18s peak %.3f N @ %.1f mm, valley %+.3f N @ %.1f mm, second %.1f mm, %s", c.name.c_str(),
+                c.features.peak_force, 1e3 * c.features.peak_travel, c.features.valley_force,
+                1e3 * c.features.valley_travel, 1e3 * c.features.second_travel, turned);
+    std::printf("hysteresis %.2f %%, unstable %d, bistable %s\n", 100 * c.hysteresis_share, c.unstable_points,
+                c.bistable ? "yes" : "no");
   }
   for (const ArmTarget& t : check.targets) {
     std::printf("  %-30s wanted %-18s found %.4g .. %.4g  %s\n", t.name.c_str(), t.wanted.c_str(), t.low, t.high,
