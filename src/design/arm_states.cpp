@@ -32,13 +32,12 @@ void ArmTopology::sense(const Variant& variant, State& state, const statics::Cho
   if (state.wants_potential) state.potential = mechanism.potential(cholesky, at);
 }
 
-/// A solid's states are dealt out to two lanes: with three variants on two threads, one would else wait for the other.
-/// The number of lanes does not depend on the number of threads, so that the bits do not either.
+/// A variant's states are dealt out to two lanes: with three variants on two threads, one would else wait for the
+/// other. The number of lanes does not depend on the number of threads, so that the bits do not either.
 void ArmTopology::makeLanes(Variant& variant) const {
   constexpr std::size_t OF_PULLED = 4;  // the state under a force takes as long as about four at a travel
   const std::size_t count = variant.states.size();
-  std::size_t split = count;
-  if (count > OF_PULLED) split = (count - OF_PULLED) / 2;
+  const std::size_t split = count > OF_PULLED ? (count - OF_PULLED) / 2 : count;
   for (const auto& [first, end] : {std::array<std::size_t, 2>{0, split}, {split, count}}) {
     if (first == end && first > 0) continue;
     variant.lanes.push_back(std::make_unique<Lane>(variant.mechanism.problem(), newton_tolerance_));

@@ -30,6 +30,8 @@ struct ArmTopology::Lane {
     return settings;
   }
 
+  static constexpr int A_VARIANT = 2;  ///< at most
+
   statics::Newton newton;
   statics::Evaluation at;
   std::size_t first = 0, end = 0;  ///< of the variant's states

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/mpm/discretisation.h"
+#include "stencil.h"
 
 namespace snapwing::mpm {
 
@@ -239,11 +240,10 @@ void Discretisation<D>::assemble(const Eigen::VectorXd& u, Order order, int thre
   if (elasticity::withTangent(order)) {
     out.blocks.assign(static_cast<std::size_t>(pattern_.blocks()) * D * D, 0.0);
   }
-  constexpr int LINEAR_STENCIL = D == 2 ? 4 : 8, QUADRATIC_STENCIL = D == 2 ? 9 : 27;
-  if (stencil_ == LINEAR_STENCIL) {
-    assembleCells<LINEAR_STENCIL>(u, order, threads, out);
+  if (stencil_ == LINEAR_STENCIL<D>) {
+    assembleCells<LINEAR_STENCIL<D>>(u, order, threads, out);
   } else {
-    assembleCells<QUADRATIC_STENCIL>(u, order, threads, out);
+    assembleCells<QUADRATIC_STENCIL<D>>(u, order, threads, out);
   }
   if (!std::isfinite(out.energy)) out.finite = false;
 }

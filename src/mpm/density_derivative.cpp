@@ -1,5 +1,6 @@
 // Derivatives of energy and forces by the cells' densities: the hot loop of the adjoint.
 #include "snapwing/mpm/discretisation.h"
+#include "stencil.h"
 
 namespace snapwing::mpm {
 
@@ -36,11 +37,10 @@ double Discretisation<D>::cellDensityDerivative(int number, const Eigen::VectorX
 
 template <int D>
 Eigen::VectorXd Discretisation<D>::densityDerivative(const Eigen::VectorXd& u, const Eigen::VectorXd& v) const {
-  constexpr int LINEAR_STENCIL = D == 2 ? 4 : 8, QUADRATIC_STENCIL = D == 2 ? 9 : 27;
   Eigen::VectorXd result(cellCount());
   for (int c = 0; c < cellCount(); ++c) {
-    result(c) = stencil_ == LINEAR_STENCIL ? cellDensityDerivative<LINEAR_STENCIL>(c, u, v)
-                                           : cellDensityDerivative<QUADRATIC_STENCIL>(c, u, v);
+    result(c) = stencil_ == LINEAR_STENCIL<D> ? cellDensityDerivative<LINEAR_STENCIL<D>>(c, u, v)
+                                              : cellDensityDerivative<QUADRATIC_STENCIL<D>>(c, u, v);
   }
   return result;
 }

@@ -107,7 +107,10 @@ struct ModeEstimator::Impl {
   double outputFor(const Particle& particle, double at) const;
   void moveTo(double at);
   void forgetOldChanges();
+  /// The trial with the force from outside that the particle believes in.
+  rom::Trial trialOf(const Particle& particle) const;
   void stopAtLimits(Particle* particle) const;
+  void normalise();
   void weigh(double specific_force);
   /// Of a reading that is no outlier, given the particle. [s2/m]
   double readingDensity(const Particle& particle, double specific_force) const;
@@ -171,12 +174,9 @@ void ModeEstimator::Impl::moveTo(double at) {
   const int count = std::max(1, static_cast<int>(std::ceil(span / settings.step - 1e-9)));
   const double dt = span / count;
   const double spread = std::sqrt(span);
-  double total = 0;
   for (Particle& particle : particles) {
     particle.weight *= touch.move(&particle.outside, span, random);
-    total += particle.weight;
-    rom::Trial around = trial;
-    around.push = particle.outside.force;
+    const rom::Trial around = trialOf(particle);
     const double q = particle.model->parameters().quadratic_share;
     for (int i = 0; i < count; ++i) {
       const double demand = common::thrustFraction(q, outputFor(particle, time + (i + 0.5) * dt));
@@ -189,7 +189,7 @@ void ModeEstimator::Impl::moveTo(double at) {
     particle.state.centre_speed += common_kick + kick * random.normal();
     particle.state.time = at;
   }
-  for (Particle& particle : particles) particle.weight /= total;
+  normalise();
   time = at;
   forgetOldChanges();
 }
@@ -202,13 +202,10 @@ void ModeEstimator::Impl::stopAtLimits(Particle* particle) const {
   const bool outward = (state.travel > limit) == (state.travelRate() > 0);
   const double change = outward ? -(1.0 + particle->restitution) * state.travelRate() : 0.0;
   // The blow keeps the momentum m_r z_r' + m_c z_c' + S u'.
-  const common::VehicleParameters& p = particle->model->parameters();
-  double share = 0.0;
-  if (trial.mount != rom::Mount::HELD) {
-    const rom::WingInertia* wing = particle->model->wingsOf(trial);
-    const double ring = p.ring_mass + (trial.mount == rom::Mount::BOOM ? p.boom_mass : 0.0);
-    share = (p.centre_mass - (wing ? wing->at(limit).coupled_mass : 0.0)) / (ring + p.centre_mass);
-  }
+  const double centre = particle->model->parameters().centre_mass;
+  const double all = trial.mount == rom::Mount::HELD ? INFINITY : particle->model->ringMass(trial) + centre;
+  const rom::WingInertia* wing = particle->model->wingsOf(trial);
+  const double share = rom::relativeInertia(wing ? wing->at(limit) : rom::WingSample(), centre, all).share;
   state.ring_speed += share * change;
   state.centre_speed -= (1.0 - share) * change;
   state.travel = limit;
@@ -236,20 +233,14 @@ void ModeEstimator::Impl::weigh(double specific_force) {
   doubt(explained + noise, share);
   const double best = *std::max_element(fit.begin(), fit.end());
   if (!std::isfinite(best)) return;  // nothing fits and no outliers are allowed for: the reading is dropped
-  double total = 0;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    particles[i].weight *= std::exp(share * (fit[i] - best));
-    total += particles[i].weight;
-  }
-  for (Particle& particle : particles) particle.weight /= total;
+  for (std::size_t i = 0; i < particles.size(); ++i) particles[i].weight *= std::exp(share * (fit[i] - best));
+  normalise();
   if (effective() < 0.5 * settings.particles) resample();
   if (lost > LEAST_DOUBT) searchAnew(lost * SEARCHED_SHARE * share, specific_force);
 }
 
 double ModeEstimator::Impl::readingDensity(const Particle& particle, double specific_force) const {
-  rom::Trial around = trial;
-  around.push = particle.outside.force;
-  const double expected = particle.model->centreSpecificForce(particle.state, around);
+  const double expected = particle.model->centreSpecificForce(particle.state, trialOf(particle));
   // A travel that is off by a little is read as another force where the arms are stiff. Only while it moves: at rest
   // this would make the softer mode the likelier one.
   const double stiffness = particle.model->potential().at(particle.state.travel).stiffness;
@@ -286,9 +277,19 @@ void ModeEstimator::Impl::searchAnew(double share, double specific_force) {
     particle = chosen;
     particle.weight = 1.0 / settings.particles;
   }
+  normalise();
+}
+
+void ModeEstimator::Impl::normalise() {
   double sum = 0;
   for (const Particle& particle : particles) sum += particle.weight;
   for (Particle& particle : particles) particle.weight /= sum;
+}
+
+rom::Trial ModeEstimator::Impl::trialOf(const Particle& particle) const {
+  rom::Trial around = trial;
+  around.push = particle.outside.force;
+  return around;
 }
 
 double ModeEstimator::Impl::effective() const {

@@ -102,6 +102,10 @@ class LumpedModel {
   /// What an accelerometer on the centre reads along the thrust axis, z_c'' + g [m/s2].
   double centreSpecificForce(const LumpedState& state, const Trial& trial) const;
 
+  /// Mass of the ring side, with what moves along on a boom [kg].
+  double ringMass(const Trial& trial) const {
+    return parameters_.ring_mass + (trial.mount == Mount::BOOM ? parameters_.boom_mass : 0.0);
+  }
   /// The wings that act in this trial; nullptr: none.
   /// @throws common::Error if the trial asks for wings and the model has none
   const WingInertia* wingsOf(const Trial& trial) const;
@@ -117,9 +121,6 @@ class LumpedModel {
   LumpedSettings settings_;
   std::shared_ptr<const WingInertia> wing_;
 
-  double ringMass(const Trial& trial) const {
-    return parameters_.ring_mass + (trial.mount == Mount::BOOM ? parameters_.boom_mass : 0.0);
-  }
   /// Drag and friction on the ring side, and their slope in its speed.
   struct RingResistance {
     double force, slope;
