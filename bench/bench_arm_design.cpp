@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "snapwing/design/arm_topology.h"
+#include "support/paths.h"
 
 namespace {
 
@@ -31,7 +32,7 @@ Seconds difference(const Seconds& a, const Seconds& b) {
 /// The first iteration, traced from rest, and five warm ones with steps as an optimiser makes them: each variable by up
 /// to .05. Shares are of the seconds that the threads spent; derivatives hold a factor, a solve and the rest of theirs.
 void measure(bool volumetric, double cell, int threads) {
-  ArmDesignSettings s = loadArmDesignSettings(SNAPWING_SOURCE_DIR "/config/designs/arm_default.yaml");
+  ArmDesignSettings s = loadArmDesignSettings(snapwing::test::sourceDir() + "/config/designs/arm_default.yaml");
   s.stages = {{volumetric, cell, 100, 0.05}};
   s.threads = threads;
   ArmTopology problem(s);

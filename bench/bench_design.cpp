@@ -3,13 +3,14 @@
 
 #include "snapwing/design/wing_design.h"
 #include "snapwing/design/wing_elastic_problem.h"
+#include "support/paths.h"
 
 namespace {
 
 using namespace snapwing::design;
 
 const WingSettings& settings() {
-  static const WingSettings instance = loadWingSettings(SNAPWING_SOURCE_DIR "/config/designs/wing_paper.yaml");
+  static const WingSettings instance = loadWingSettings(snapwing::test::sourceDir() + "/config/designs/wing_paper.yaml");
   return instance;
 }
 

@@ -12,6 +12,7 @@
 #include "snapwing/common/pulse.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
+#include "support/paths.h"
 
 namespace {
 
@@ -253,7 +254,7 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
   std::printf(

@@ -3,13 +3,14 @@
 
 #include "snapwing/planning/mode_estimator.h"
 #include "snapwing/planning/pulse_planner.h"
+#include "support/paths.h"
 
 namespace {
 
 using namespace snapwing;
 
 struct Setup {
-  common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
 };
 

@@ -3,13 +3,14 @@
 
 #include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
+#include "support/paths.h"
 
 namespace {
 
 using namespace snapwing;
 
 struct Setup {
-  common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
   rom::LumpedModel model =
       rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), {}, common::wingTableOf(vehicle));

@@ -25,15 +25,18 @@ function(snapwing_add_floor floor)
   set_property(GLOBAL APPEND PROPERTY SNAPWING_LIBRARIES snapwing_${floor})
 endfunction()
 
+# Tests and benchmarks find shipped files through support/paths.h.
+if(SNAPWING_TESTS OR SNAPWING_BENCH)
+  add_library(snapwing_test_paths STATIC ${PROJECT_SOURCE_DIR}/test/support/paths.cpp)
+  target_include_directories(snapwing_test_paths PUBLIC ${PROJECT_SOURCE_DIR}/test)
+  target_compile_definitions(snapwing_test_paths PRIVATE SNAPWING_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endif()
+
 # snapwing_add_gtest(<name> SOURCES a.cpp ... LINKS <target> ...): every case becomes one ctest test.
-# The tests find shipped files through SNAPWING_SOURCE_DIR.
 function(snapwing_add_gtest name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest GTest::gtest_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
-  target_compile_definitions(${name} PRIVATE SNAPWING_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                             SNAPWING_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} snapwing_test_paths GTest::gtest GTest::gtest_main)
   snapwing_compile_settings(${name})
   gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 endfunction()

@@ -8,6 +8,7 @@
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/common/wing_table.h"
+#include "support/paths.h"
 
 namespace snapwing::common {
 namespace {
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 /// The shipped vehicle with one piece of text replaced, written to a file of its own.
 std::string edited(const std::string& from, const std::string& to) {
-  std::string text = readFile(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  std::string text = readFile(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto at = text.find(from);
   if (at == std::string::npos) throw std::logic_error("the shipped vehicle no longer holds: " + from);
   text.replace(at, from.size(), to);
@@ -27,7 +28,7 @@ std::string edited(const std::string& from, const std::string& to) {
 
 TEST(Vehicle, EveryShippedFileLoads) {
   int count = 0;
-  for (const auto& entry : fs::directory_iterator(SNAPWING_SOURCE_DIR "/config/vehicles")) {
+  for (const auto& entry : fs::directory_iterator(test::sourceDir() + "/config/vehicles")) {
     SCOPED_TRACE(entry.path());
     const Vehicle v = loadVehicle(entry.path().string());
     EXPECT_GT(v.masses.total.low(), v.masses.centre.high());
@@ -45,7 +46,7 @@ TEST(Vehicle, EveryShippedFileLoads) {
 }
 
 TEST(Vehicle, PaperNumbersAreInSi) {
-  const Vehicle v = loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const Vehicle v = loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   EXPECT_DOUBLE_EQ(v.masses.total.value, 0.783);
   EXPECT_DOUBLE_EQ(v.geometry.ring_radius, 0.125);
   EXPECT_DOUBLE_EQ(v.material.youngs_modulus.value, 5.5e6);

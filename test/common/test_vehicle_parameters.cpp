@@ -5,11 +5,12 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/vehicle_parameters.h"
 #include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::common {
 namespace {
 
-Vehicle vehicle() { return loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml"); }
+Vehicle vehicle() { return loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml"); }
 
 TEST(VehicleParameters, NominalIsTheValueOfEachQuantity) {
   const Vehicle v = vehicle();

@@ -12,11 +12,12 @@
 #include "snapwing/design/arm_run.h"
 #include "snapwing/design/arm_topology.h"
 #include "snapwing/design/design_scene.h"
+#include "support/paths.h"
 
 namespace snapwing::design {
 namespace {
 
-const std::string DESIGNS = std::string(SNAPWING_SOURCE_DIR) + "/config/designs/";
+const std::string DESIGNS = test::sourceDir() + "/config/designs/";
 
 /// The default design on 4 mm cells, with robust variants, in a few iterations.
 ArmDesignSettings coarse() {
@@ -46,7 +47,7 @@ TEST(ArmSettings, BadValuesAreNamed) {
     changed.replace(at, from.size(), to);
     const std::string path = ::testing::TempDir() + "arm_bad.yaml";
     const std::size_t vehicle = changed.find("../vehicles");
-    changed.replace(vehicle, 11, std::string(SNAPWING_SOURCE_DIR) + "/config/vehicles");
+    changed.replace(vehicle, 11, test::sourceDir() + "/config/vehicles");
     std::ofstream(path) << changed;
     EXPECT_THROW(loadArmDesignSettings(path), common::SettingError) << to;
   };
@@ -131,7 +132,7 @@ TEST(ArmCheck, SideBySideChangesNothingAndTellsEachCaseOnce) {
   s.check_volumetric_cell = 0;
   s.check_step = 0.004;
   const mpm::DensityField field =
-      loadDesignedDensity(s, std::string(SNAPWING_SOURCE_DIR) + "/data/arms/arris_x220.csv");
+      loadDesignedDensity(s, test::sourceDir() + "/data/arms/arris_x220.csv");
   const ArmShape shape(field);
   const auto checked = [&](int threads, std::vector<std::string>& told) {
     s.threads = threads;

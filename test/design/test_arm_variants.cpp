@@ -13,11 +13,12 @@
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/newton.h"
 #include "snapwing/statics/path.h"
+#include "support/paths.h"
 
 namespace snapwing::design {
 namespace {
 
-const std::string ROOT = SNAPWING_SOURCE_DIR;
+const std::string ROOT = test::sourceDir();
 
 /// Few states on 4 mm cells.
 ArmDesignSettings tiny() {

@@ -5,10 +5,11 @@
 #include <string>
 
 #include "snapwing/design/wing_design.h"
+#include "support/paths.h"
 
 namespace snapwing::design {
 
-inline std::string paperFile() { return std::string(SNAPWING_SOURCE_DIR) + "/config/designs/wing_paper.yaml"; }
+inline std::string paperFile() { return test::sourceDir() + "/config/designs/wing_paper.yaml"; }
 
 inline WingSettings paperSettings() { return loadWingSettings(paperFile()); }
 

@@ -7,6 +7,7 @@
 #include "snapwing/rom/energy_spline.h"
 #include "support/example_table.h"
 #include "support/example_wing.h"
+#include "support/paths.h"
 
 namespace snapwing::dynamics {
 namespace {
@@ -16,7 +17,7 @@ using common::Mode;
 class PlantTest : public ::testing::Test {
  protected:
   PlantTest()
-      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
         parameters_(common::realise(vehicle_, table_)) {}
   Plant plant(const PlantSettings& settings = {}) const { return Plant(vehicle_, table_, parameters_, settings); }

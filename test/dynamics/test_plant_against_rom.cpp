@@ -8,6 +8,7 @@
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/rom/lumped_model.h"
 #include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::dynamics {
 namespace {
@@ -60,7 +61,7 @@ rom::SnapPrediction predict(const rom::LumpedModel& model, const common::Vehicle
 }
 
 TEST(PlantAgainstRom, SameParametersSameMotion) {
-  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
   rom::Trial trial;
   trial.mount = rom::Mount::BOOM;
@@ -85,7 +86,7 @@ TEST(PlantAgainstRom, SameParametersSameMotion) {
 }
 
 TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
-  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
   ASSERT_TRUE(wing);
@@ -122,7 +123,7 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
 }
 
 TEST(PlantAgainstRom, SamePushSameMotion) {
-  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
   common::VehicleParameters p = drawParameters(vehicle, table, 5);

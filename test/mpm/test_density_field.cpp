@@ -5,6 +5,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/mpm/density_field.h"
+#include "support/paths.h"
 
 namespace snapwing::mpm {
 namespace {
@@ -26,7 +27,7 @@ double area(const std::vector<std::array<double, 2>>& loop) {
 
 TEST(DensityField, ReadsTheShippedDesign) {
   const DensityField f =
-      loadDensityCsv(std::string(SNAPWING_SOURCE_DIR) + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
+      loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
   EXPECT_NEAR(f.cell_size, 1e-3, 1e-12);
   EXPECT_TRUE(f.present(79, 19));
   EXPECT_FALSE(f.present(20, 20));

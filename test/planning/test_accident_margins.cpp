@@ -5,6 +5,7 @@
 
 #include "snapwing/planning/accident_margins.h"
 #include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
@@ -17,7 +18,7 @@ const AccidentMargin& find(const std::vector<AccidentMargin>& list, const std::s
 }
 
 TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
-  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto list = accidentMargins(vehicle, snapwing::testing::exampleTable());
   // facts/physics.md: F survives 8.0 N of sudden thrust (hover needs 7.68), holds 3.9 of 4 N, inverted Q does not hold.
   // Its masses and damping are its own.
@@ -41,7 +42,7 @@ TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
 }
 
 TEST(AccidentMargins, FollowTheForceScale) {
-  common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto soft = accidentMargins(vehicle, snapwing::testing::exampleTable());
   vehicle.arm.force_scale.value = 2.0;
   const auto stiff = accidentMargins(vehicle, snapwing::testing::exampleTable());
@@ -50,7 +51,7 @@ TEST(AccidentMargins, FollowTheForceScale) {
 }
 
 TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
-  const common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
   const auto without = accidentMargins(vehicle, table), with = accidentMargins(vehicle, table, wing);

@@ -8,6 +8,7 @@
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
 #include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
@@ -17,7 +18,7 @@ using common::Mode;
 class EstimatorTest : public ::testing::Test {
  protected:
   EstimatorTest()
-      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
         idle_(common::motorOutput(vehicle_.radio, 0.0)) {}
 

@@ -6,6 +6,7 @@
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
@@ -15,7 +16,7 @@ using common::Mode;
 class PlannerTest : public ::testing::Test {
  protected:
   PlannerTest()
-      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()) {
     trial_.mount = rom::Mount::BOOM;
     quick_.search_samples = 16;

@@ -10,6 +10,7 @@
 #include "snapwing/common/pulse.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
+#include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
@@ -19,7 +20,7 @@ using common::Mode;
 constexpr double READING = 0.005;  // [s]
 
 struct Tools {
-  common::Vehicle vehicle = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
 };
 

@@ -6,6 +6,7 @@
 #include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
 #include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::rom {
 namespace {
@@ -15,7 +16,7 @@ using common::Mode;
 class Prediction : public ::testing::Test {
  protected:
   Prediction()
-      : vehicle_(common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
         model_(LumpedModel::fromVehicle(vehicle_, table_, common::realise(vehicle_, table_), {},
                                         common::wingTableOf(vehicle_))) {

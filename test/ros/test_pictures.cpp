@@ -5,6 +5,7 @@
 
 #include "snapwing/common/wing_table.h"
 #include "snapwing/ros/vehicle_picture.h"
+#include "support/paths.h"
 
 namespace snapwing::nodes {
 namespace {
@@ -35,7 +36,7 @@ TEST(Triangulation, LeavesHoleOutAndIgnoresOrientation) {
 
 class Picture : public testing::Test {
  protected:
-  common::Vehicle vehicle_ = common::loadVehicle(SNAPWING_SOURCE_DIR "/config/vehicles/arris_x220.yaml");
+  common::Vehicle vehicle_ = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   common::ForceTable table_ = common::loadForceTable(vehicle_.arm.table_file);
   VehiclePicture picture_{vehicle_, table_, {}};
 };

@@ -8,10 +8,11 @@
 #include <string>
 
 #include "snapwing/statics/scene_curve.h"
+#include "support/paths.h"
 
 namespace snapwing::statics {
 
-inline const std::string SCENES = std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/";
+inline const std::string SCENES = test::sourceDir() + "/config/scenes/";
 
 inline Scene sceneFromText(const std::string& text) {
   std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();

@@ -9,11 +9,12 @@
 #include "snapwing/common/provenance.h"
 #include "snapwing/statics/arm_problem.h"
 #include "support/example_arm.h"
+#include "support/paths.h"
 
 namespace snapwing::statics {
 namespace {
 
-const std::string SOURCE = SNAPWING_SOURCE_DIR;
+const std::string SOURCE = test::sourceDir();
 
 struct Row {
   double travel, force, rotation;

@@ -7,12 +7,13 @@
 #include "snapwing/common/provenance.h"
 #include "snapwing/statics/checkpoint.h"
 #include "snapwing/statics/rung.h"
+#include "support/paths.h"
 
 namespace snapwing::statics {
 namespace {
 
 Scene coarseBeam() {
-  Scene scene = loadScene(std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/snap_beam.yaml");
+  Scene scene = loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
   scene.kernel = SceneKernel::LINEAR_REDUCED;
   scene.cell_size = 8e-4;
   scene.steps = 28;

@@ -7,11 +7,12 @@
 #include "jointed_truss.h"
 #include "snapwing/statics/scene_curve.h"
 #include "support/derivative_check.h"
+#include "support/paths.h"
 
 namespace snapwing::statics {
 namespace {
 
-const std::string SCENES = std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/";
+const std::string SCENES = test::sourceDir() + "/config/scenes/";
 
 struct Case {
   const char* name;

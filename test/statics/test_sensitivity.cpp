@@ -7,6 +7,7 @@
 #include "snapwing/statics/sensitivity.h"
 #include "support/derivative_check.h"
 #include "support/example_arm.h"
+#include "support/paths.h"
 
 namespace snapwing::statics {
 namespace {
@@ -20,7 +21,7 @@ common::ArmSettings armSettings() {
 /// The shipped design on 4 mm cells, moved along a fixed pattern by h.
 mpm::DensityField design(double h) {
   mpm::DensityField f =
-      mpm::loadDensityCsv(std::string(SNAPWING_SOURCE_DIR) + "/data/arms/arris_x220_study.csv", 0.08, 0.04)
+      mpm::loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04)
           .resampled(0.004);
   for (std::size_t c = 0; c < f.value.size(); ++c) {
     if (f.value[c] >= 0) f.value[c] = 0.25 + 0.7 * f.value[c] + 0.04 * h * std::cos(3.0 * static_cast<double>(c));

@@ -7,6 +7,7 @@
 #include "snapwing/statics/features.h"
 #include "snapwing/statics/scene_curve.h"
 #include "truss.h"
+#include "support/paths.h"
 
 namespace snapwing::statics {
 namespace {
@@ -27,7 +28,7 @@ struct SlenderBeam {
   static double unit() { return 5.5e6 * 0.01 * std::pow(THICKNESS, 3) / 12 * RISE / std::pow(SPAN, 3); }
   /// @param imperfection  second cosine, in rises
   static Scene scene(SceneKernel kernel, int cells, double imperfection, double to, int count) {
-    Scene scene = loadScene(std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/snap_beam.yaml");
+    Scene scene = loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
     Box half;
     half.low(0) = 0;
     half.high(0) = 0.5 * SPAN;
@@ -189,7 +190,7 @@ TEST(Features, AreExactOnTheTruss) {
 
 /// On a solid, the located points agree with those of a path ten times finer.
 TEST(Features, DoNotDependOnThePath) {
-  Scene scene = loadScene(std::string(SNAPWING_SOURCE_DIR) + "/config/scenes/snap_beam.yaml");
+  Scene scene = loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
   scene.kernel = SceneKernel::LINEAR_REDUCED;
   scene.cell_size = 8e-4;
   std::vector<std::vector<Feature>> found;

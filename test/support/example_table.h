@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "snapwing/common/force_table.h"
+#include "support/paths.h"
 
 namespace snapwing::testing {
 
 inline common::ForceTable exampleTable() {
-  const std::string path = SNAPWING_SOURCE_DIR "/test/data/arms/arm_curve_plane_stress.csv";
+  const std::string path = test::sourceDir() + "/test/data/arms/arm_curve_plane_stress.csv";
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path);
   std::vector<double> u, r, rotation;

@@ -1,0 +1,7 @@
+#include "support/paths.h"
+
+namespace snapwing::test {
+
+std::string sourceDir() { return SNAPWING_SOURCE_DIR; }
+
+}  // namespace snapwing::test
