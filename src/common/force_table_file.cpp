@@ -118,29 +118,27 @@ ArmShapes readShapes(hid_t file, std::size_t points, const std::string& path) {
   return shapes;
 }
 
-void writeTable(const ForceTable& t, const std::string& part) {
-  Handle file(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, part, "create the file");
-  writeArray<int>(file, "format_version", {FORMAT_VERSION}, "1", part);
-  writeArray<int>(file, "arm_count", {t.arm_count}, "1", part);
-  writeArray(file, "travel", t.travel, "m", part);
-  writeArray(file, "force", t.force, "N", part);
-  writeArray(file, "stiffness", t.stiffness, "N/m", part);
-  writeArray(file, "energy", t.energy, "J", part);
-  writeArray(file, "rotation", t.rotation, "rad", part);
-  writeArray(file, "min_det_f", t.min_det_f, "1", part);
-  writeArray(file, "stable", t.stable, "1", part);
-  writeArray(file, "iterations", t.iterations, "1", part);
-  writeArray(file, "force_back", t.force_back, "N", part);
-  writeShapes(file, t.shapes, part);
-  hdf5::writeProvenance(file, t.provenance, part);
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), part, "flush the file");
+void writeTable(const ForceTable& t, hid_t file, const std::string& path) {
+  writeArray<int>(file, "format_version", {FORMAT_VERSION}, "1", path);
+  writeArray<int>(file, "arm_count", {t.arm_count}, "1", path);
+  writeArray(file, "travel", t.travel, "m", path);
+  writeArray(file, "force", t.force, "N", path);
+  writeArray(file, "stiffness", t.stiffness, "N/m", path);
+  writeArray(file, "energy", t.energy, "J", path);
+  writeArray(file, "rotation", t.rotation, "rad", path);
+  writeArray(file, "min_det_f", t.min_det_f, "1", path);
+  writeArray(file, "stable", t.stable, "1", path);
+  writeArray(file, "iterations", t.iterations, "1", path);
+  writeArray(file, "force_back", t.force_back, "N", path);
+  writeShapes(file, t.shapes, path);
+  hdf5::writeProvenance(file, t.provenance, path);
 }
 
 }  // namespace
 
 void saveForceTable(const ForceTable& table, const std::string& path) {
   table.validate();
-  hdf5::replaceFile(path, [&](const std::string& part) { writeTable(table, part); });
+  hdf5::writeFile(path, [&](hid_t file) { writeTable(table, file, path); });
 }
 
 ForceTable loadForceTable(const std::string& path) {

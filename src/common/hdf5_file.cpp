@@ -1,11 +1,9 @@
 #include "snapwing/common/hdf5_file.h"
 
-#include <unistd.h>
-
-#include <cstdio>
 #include <vector>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/output_file.h"
 
 namespace snapwing::common::hdf5 {
 
@@ -63,18 +61,22 @@ std::map<std::string, std::string> readProvenance(hid_t file, const std::string&
   return entries;
 }
 
-void replaceFile(const std::string& path, const std::function<void(const std::string& part)>& write) {
+void writeFile(const std::string& path, const std::function<void(hid_t file)>& fill) {
   QuietErrors quiet;
-  const std::string part = path + ".part" + std::to_string(::getpid());
-  try {
-    write(part);
-  } catch (const FileError&) {
-    std::remove(part.c_str());
-    throw;
+  std::string bytes;
+  {
+    Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path, "make settings");
+    check(H5Pset_fapl_core(access, std::size_t{1} << 18, 0), path, "keep the file in memory");
+    Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, path, "make the file in memory");
+    fill(file);
+    check(H5Fflush(file, H5F_SCOPE_GLOBAL), path, "flush the file");
+    const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+    if (size <= 0) throw FileError(path, "HDF5: cannot tell the file's size");
+    bytes.resize(static_cast<std::size_t>(size));
+    if (H5Fget_file_image(file, bytes.data(), bytes.size()) != size)
+      throw FileError(path, "HDF5: cannot copy the file");
   }
-  if (std::rename(part.c_str(), path.c_str()) == 0) return;
-  std::remove(part.c_str());
-  throw FileError(path, "cannot be replaced");
+  writeFileAtomically(path, bytes);
 }
 
 }  // namespace snapwing::common::hdf5

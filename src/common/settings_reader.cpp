@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <sstream>
 
 #include "snapwing/common/error.h"
@@ -57,6 +58,25 @@ void refuseDuplicates(const YAML::Node& node, const std::string& where, const st
   }
 }
 
+void appendContent(const YAML::Node& node, const std::string& path, const std::set<std::string>& except,
+                   std::string& text) {
+  if (except.count(path)) return;
+  if (node.IsMap()) {
+    std::map<std::string, YAML::Node> sorted;
+    for (const auto& entry : node) sorted.emplace(entry.first.Scalar(), entry.second);
+    for (const auto& [key, value] : sorted) appendContent(value, path.empty() ? key : path + "." + key, except, text);
+  } else if (node.IsSequence()) {
+    for (std::size_t i = 0; i < node.size(); ++i) appendContent(node[i], path + "[]", except, text);
+  } else {
+    std::ostringstream line;
+    line.precision(17);
+    double value = 0;
+    line << path << '=';
+    parseNumber(node, &value) ? line << value : line << describe(node);
+    text += line.str() + "\n";
+  }
+}
+
 }  // namespace
 
 struct SettingsReader::Impl {
@@ -64,6 +84,7 @@ struct SettingsReader::Impl {
   std::string where;
   std::string prefix;
   std::set<std::string> asked;
+  std::shared_ptr<std::vector<std::string>> files = std::make_shared<std::vector<std::string>>();
 };
 
 SettingsReader::SettingsReader(const YAML::Node& node, std::string where, std::string prefix)
@@ -107,7 +128,9 @@ bool SettingsReader::has(const std::string& key) const {
 SettingsReader SettingsReader::map(const std::string& key) {
   const YAML::Node node = child(key, "a map");
   if (!node.IsMap()) fail(key, describe(node), "a map");
-  return SettingsReader(node, where(), fullKey(key) + ".");
+  SettingsReader reader(node, where(), fullKey(key) + ".");
+  reader.impl_->files = impl_->files;
+  return reader;
 }
 
 std::vector<SettingsReader> SettingsReader::list(const std::string& key) {
@@ -118,6 +141,7 @@ std::vector<SettingsReader> SettingsReader::list(const std::string& key) {
     const std::string name = key + "[" + std::to_string(i) + "]";
     if (!node[i].IsMap()) fail(name, describe(node[i]), "a map");
     readers.push_back(SettingsReader(node[i], where(), fullKey(name) + "."));
+    readers.back().impl_->files = impl_->files;
   }
   return readers;
 }
@@ -227,8 +251,22 @@ const std::string& SettingsReader::where() const { return impl_->where; }
 
 std::string SettingsReader::resolvePath(const std::string& path) const {
   namespace fs = std::filesystem;
-  if (fs::path(path).is_absolute()) return path;
-  return fs::absolute(fs::path(where()).parent_path() / path).lexically_normal().string();
+  fs::path file(path);
+  if (!file.is_absolute()) {
+    std::error_code gone;
+    file = fs::absolute(fs::path(where()).parent_path() / path, gone).lexically_normal();
+    if (gone) throw FileError(path, "the working folder does not exist any more");
+  }
+  impl_->files->push_back(file.string());
+  return file.string();
+}
+
+const std::vector<std::string>& SettingsReader::namedFiles() const { return *impl_->files; }
+
+std::string SettingsReader::content(const std::set<std::string>& except) const {
+  std::string text;
+  appendContent(impl_->node, "", except, text);
+  return text;
 }
 
 std::string SettingsReader::fullKey(const std::string& key) const { return impl_->prefix + key; }

@@ -44,21 +44,19 @@ void readColumn(hid_t file, const char* name, const char* unit, std::vector<doub
   }
 }
 
-void write(WingTable table, const std::string& part) {
-  Handle file(H5Fcreate(part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, part, "create the file");
-  writeAttribute(file, "format", FORMAT, part);
+void write(WingTable table, hid_t file, const std::string& path) {
+  writeAttribute(file, "format", FORMAT, path);
   forEachColumn(&table, [&](const char* name, const char* unit, std::vector<double>* values) {
-    writeColumn(file, name, unit, *values, part);
+    writeColumn(file, name, unit, *values, path);
   });
-  hdf5::writeProvenance(file, table.provenance, part);
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), part, "flush the file");
+  hdf5::writeProvenance(file, table.provenance, path);
 }
 
 }  // namespace
 
 void saveWingTable(const WingTable& table, const std::string& path) {
   table.validate();
-  hdf5::replaceFile(path, [&](const std::string& part) { write(table, part); });
+  hdf5::writeFile(path, [&](hid_t file) { write(table, file, path); });
 }
 
 WingTable loadWingTable(const std::string& path) {

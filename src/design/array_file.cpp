@@ -18,8 +18,7 @@ using common::hdf5::writeAttribute;
 
 namespace {
 
-void write(const ArrayFile& file, const std::string& path) {
-  const Handle h5(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, path, "create");
+void write(const ArrayFile& file, hid_t h5, const std::string& path) {
   for (const auto& [name, values] : file.arrays) {
     const hsize_t size = static_cast<hsize_t>(values.size());
     const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, path, "make a space");
@@ -43,7 +42,7 @@ herr_t collectNotes(hid_t, const char* name, const H5A_info_t*, void* data) {
 }  // namespace
 
 void saveArrays(const ArrayFile& file, const std::string& path) {
-  common::hdf5::replaceFile(path, [&](const std::string& part) { write(file, part); });
+  common::hdf5::writeFile(path, [&](hid_t h5) { write(file, h5, path); });
 }
 
 ArrayFile loadArrays(const std::string& path) {

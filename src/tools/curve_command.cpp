@@ -139,7 +139,7 @@ nlohmann::json summarise(const statics::ArmCurve& curve) {
 /// What cannot be written is refused before the work, not after it.
 void checkOutputs(const CurveOptions& options, bool scene) {
   for (const std::string& path : {options.output, options.csv, options.summary, options.plot, options.checkpoint}) {
-    if (!path.empty()) common::requireFolderOf(path);
+    if (!path.empty()) common::requireWritable(path);
   }
   const bool table = endsWith(options.output, ".h5");
   if (!options.output.empty() && !table && !(scene && endsWith(options.output, ".csv"))) {

@@ -83,5 +83,24 @@ TEST(SettingsReader, QuantityNeedsUnitSourceAndRoomForItsSpread) {
   expectParts(messageOf([&] { r.quantity("extra", "m", {0, 10}); }), {"extra.sigma"});
 }
 
+TEST(SettingsReader, KnowsTheFilesThatItNamed) {
+  SettingsReader reader = SettingsReader::fromText("a: {file: x.csv}\nb: [{file: /y.stl}]", "/folder/s.yaml");
+  SettingsReader a = reader.map("a");
+  a.resolvePath(a.text("file"));
+  for (SettingsReader& b : reader.list("b")) b.resolvePath(b.text("file"));
+  EXPECT_EQ(reader.namedFiles(), (std::vector<std::string>{"/folder/x.csv", "/y.stl"}));
+}
+
+TEST(SettingsReader, ContentIsWhatIsSaidNotHowItIsWritten) {
+  const auto content = [](const std::string& text) {
+    return SettingsReader::fromText(text, "s").content({"name", "steps.count", "loads[].name"});
+  };
+  const std::string one = content("name: x\nsize: 1.0e-3\nsteps: {count: 3, to: 2}\nloads: [{name: a, force: 1.0}]");
+  EXPECT_EQ(one, content("# same\nsteps: {to: 2.0}\nname: y\nsize: 0.001\nloads:\n- force: 1\n  name: b"));
+  EXPECT_NE(one, content("size: 0.002\nsteps: {to: 2}\nloads: [{force: 1.0}]"));
+  EXPECT_NE(one, content("size: 0.001\nsteps: {to: 2}\nloads: [{force: 1.0}, {force: 1.0}]"));
+  EXPECT_NE(one, content("size: 0.001\nsteps: {to: 2}\nloads: [{force: '1.0'}]"));
+}
+
 }  // namespace
 }  // namespace snapwing::common

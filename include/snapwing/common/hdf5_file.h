@@ -51,8 +51,8 @@ void writeProvenance(hid_t file, const std::map<std::string, std::string>& entri
 /// @throws FileError if the group is missing or an entry is no text
 std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path);
 
-/// Has `write` make a file of another name beside `path`, then renames it: a killed or failed run leaves the previous
-/// file as it was. HDF5 prints nothing meanwhile. @throws FileError, also what `write` throws
-void replaceFile(const std::string& path, const std::function<void(const std::string& part)>& write);
+/// Has `fill` make a file in memory, then writes its bytes as writeFileAtomically does: HDF5 itself never meets a full
+/// disk, after which it cannot even close a file. It prints nothing meanwhile. @throws FileError, also what `fill` throws
+void writeFile(const std::string& path, const std::function<void(hid_t file)>& fill);
 
 }  // namespace snapwing::common::hdf5

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "snapwing/common/output_file.h"
+
 namespace snapwing::common {
 
 /// SHA-256 of bytes, as 64 hexadecimal digits.
@@ -13,10 +15,5 @@ std::string sha256OfFile(const std::string& path);
 std::string version();
 /// Whole file as bytes. @throws FileError
 std::string readFile(const std::string& path);
-/// Replaces a file in one step: readers see the old or the new bytes, never a part. @throws FileError
-void writeFileAtomically(const std::string& path, const std::string& bytes);
-/// To be asked before long work whose result goes to `path`. @throws FileError if its folder does not exist or cannot
-/// be written to
-void requireFolderOf(const std::string& path);
 
 }  // namespace snapwing::common

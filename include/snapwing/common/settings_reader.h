@@ -74,6 +74,11 @@ class SettingsReader {
   const std::string& where() const;
   /// `path` as written if absolute, else relative to the folder of the file.
   std::string resolvePath(const std::string& path) const;
+  /// Every file that resolvePath() was asked for so far, in this map or any other of the file.
+  const std::vector<std::string>& namedFiles() const;
+  /// What the map says, whatever the order of its keys, its comments and the way its numbers are written.
+  /// @param except  dotted keys that are left out; "a[].b" is b of every entry of a
+  std::string content(const std::set<std::string>& except) const;
   /// Full dotted key of `key` in this map.
   std::string fullKey(const std::string& key) const;
   /// Throws a SettingError for `key` of this map: for checks that span several keys.
