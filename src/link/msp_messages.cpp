@@ -107,8 +107,10 @@ bool decode(const MspPacket& packet, BoxIds& out) {
 }
 
 bool decode(const MspPacket& packet, RxMap& out) {
-  if (packet.size < out.map.size()) return false;
-  std::copy_n(packet.payload.begin(), out.map.size(), out.map.begin());
+  if (packet.size < 4) return false;
+  out.map = DEFAULT_RX_MAP;
+  out.count = packet.size < out.map.size() ? 4 : 8;
+  std::copy_n(packet.payload.begin(), out.count, out.map.begin());
   return true;
 }
 
@@ -158,8 +160,8 @@ void encode(const BoxIds& in, MspPacket& packet) {
 }
 
 void encode(const RxMap& in, MspPacket& packet) {
-  packet.size = in.map.size();
-  std::copy(in.map.begin(), in.map.end(), packet.payload.begin());
+  packet.size = static_cast<std::size_t>(in.count);
+  std::copy_n(in.map.begin(), packet.size, packet.payload.begin());
 }
 
 void encode(const Channels& in, MspPacket& packet) {

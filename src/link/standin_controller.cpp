@@ -11,12 +11,21 @@ constexpr double NEVER = 1e18;     ///< [s]
 /// The full output read back is one below 2000, and all outputs are whole microseconds rounded down.
 constexpr double FULL_OUTPUT = 1999.99;
 
+constexpr double INAV_HOLD = 0.9;  ///< [s]
+
 bool valid(int microseconds) { return microseconds >= CHANNEL_MIN_VALID && microseconds <= CHANNEL_MAX_VALID; }
 
 }  // namespace
 
+void StandinSettings::becomeInav() {
+  variant = {'I', 'N', 'A', 'V'};
+  api = {0, 2, 5};
+  rx_map.count = 4;
+  throttle_hold = INAV_HOLD;
+}
+
 StandinController::StandinController(const StandinSettings& settings, double now)
-    : settings_(settings), boot_time_(now), motor_(settings.motor_off) {
+    : settings_(settings), boot_time_(now), next_look_(now + settings.look_period), motor_(settings.motor_off) {
   values_.count = MAX_CHANNELS;
   values_.us.fill(CHANNEL_LOW);
   values_.us[ROLL] = values_.us[PITCH] = values_.us[YAW] = CHANNEL_CENTRE;
@@ -52,6 +61,15 @@ void StandinController::onPilotFrame(const Channels& channels, double now) {
   receive(merged, now);
 }
 
+/// How long this frame's throttle will hold if no other follows. Multiples of the golden ratio, one more with each
+/// frame, stand for the chance in which look finds it too old: they spread evenly over any number of frames.
+void StandinController::drawHold() {
+  draw_ += 2654435769U;  // 2^32 times 0.618...
+  const double chance = draw_ / 4294967296.0, early = settings_.early_look_share;
+  hold_ = chance < early ? settings_.throttle_hold + settings_.look_period + settings_.early_look_late * chance / early
+                         : settings_.throttle_hold + settings_.look_late * (chance - early) / (1.0 - early);
+}
+
 void StandinController::receive(const Channels& channels, double now) {
   step(now);
   const std::size_t count = static_cast<std::size_t>(std::clamp(channels.count, 0, MAX_CHANNELS));
@@ -62,14 +80,17 @@ void StandinController::receive(const Channels& channels, double now) {
   }
   if (!any_frame_ && values_.us[AUX1] >= settings_.arm_threshold) not_disarmed_ = true;
   any_frame_ = true;
-  if (now - last_frame_ > settings_.throttle_hold) thrust_return_ = now + settings_.thrust_return;
   last_frame_ = now;
-  if (!flightChannelsValid(now)) {
+  drawHold();
+  channels_lost_ = !flightChannelsValid(now);
+  if (channels_lost_) {
     good_since_ = NEVER;  // a lost channel shows as lost signal with the frame that finds it so
-    return;
+  } else {
+    if (good_since_ == NEVER || now - last_good_ > settings_.rxloss_after) good_since_ = now;
+    last_good_ = now;
   }
-  if (good_since_ == NEVER || now - last_good_ > settings_.rxloss_after) good_since_ = now;
-  last_good_ = now;
+  turn(now, true);
+  next_look_ = now + settings_.look_period;
   step(now);
 }
 
@@ -88,54 +109,80 @@ void StandinController::updateFailsafe(double now) {
   if (armed_ && now - last_good_ >= settings_.failsafe_delay) {
     armed_ = false;
     failsafe_ = true;
-    arm_at_ = -1;
   }
   const bool streaming = now - last_good_ <= settings_.rxloss_after && now - good_since_ >= settings_.failsafe_recovery;
-  if (failsafe_ && streaming && !switch_on_) failsafe_ = false;
+  if (failsafe_ && streaming) failsafe_ = false;
 }
 
-void StandinController::updateArming(double now) {
-  const bool was_on = switch_on_;
-  switch_on_ = any_frame_ && values_.us[AUX1] >= settings_.arm_threshold;
-  if (!switch_on_) {
-    armed_ = false;
-    not_disarmed_ = false;
-    arm_switch_latched_ = false;
-    arm_at_ = -1;
+/// One turn of the receiver's task: with each frame, and each tenth of a second without. What the turn before saw of
+/// the arm switch is acted on now.
+void StandinController::turn(double now, bool frame) {
+  const bool on = switch_seen_;
+  switch_seen_ = any_frame_ && values_.us[AUX1] >= settings_.arm_threshold;
+  if (on) {
+    disarm_turns_ = 0;
+    tryToArm(now, frame);
     return;
   }
-  if (armed_ || failsafe_) return;  // failsafe itself lasts until the switch is off
-  const std::uint32_t flags = computeFlags(now);
-  if (flags != 0) {
+  if (!switch_seen_) not_disarmed_ = arm_switch_latched_ = false;
+  if (armed_ && ++disarm_turns_ >= settings_.disarm_turns) armed_ = false;
+}
+
+void StandinController::tryToArm(double now, bool frame) {
+  if (armed_) return;
+  if (failsafe_) {  // the switch that stayed on must be off once, seen as soon as frames come again
+    if (frame) not_disarmed_ = arm_switch_latched_ = true;
+  } else if (computeFlags(now) != 0) {
     arm_switch_latched_ = true;
-    arm_at_ = -1;
-  } else if (!was_on) {
-    arm_at_ = now + settings_.arm_delay;
-  } else if (arm_at_ >= 0 && now >= arm_at_) {
+  } else {
     armed_ = true;
-    arm_at_ = -1;
+    disarm_turns_ = 0;
   }
+}
+
+int StandinController::lostThrottle() const {
+  const RxFailChannel& rule = settings_.rxfail.channels[3];  // roll, pitch, yaw, throttle
+  if (rule.mode == RxFailMode::HOLD) return values_.us[THROTTLE];
+  return rule.mode == RxFailMode::SET ? rule.value : LOST_CHANNEL;
 }
 
 int StandinController::throttleInForce(double now) const {
-  const bool lost = now - last_frame_ > settings_.throttle_hold || now < thrust_return_ ||
-                    now - valid_time_[THROTTLE] > settings_.channel_hold;
-  return lost ? LOST_CHANNEL : values_.us[THROTTLE];
+  return signalLost(now) ? lostThrottle() : values_.us[THROTTLE];
 }
 
 int StandinController::motorFor(int throttle) const {
   if (throttle <= settings_.min_check) return settings_.motor_idle;
   // The firmware scales the stick to whole thousandths above min_check first.
-  const int share =
-      (std::min(throttle, CHANNEL_HIGH) - settings_.min_check) * 1000 / (CHANNEL_HIGH - settings_.min_check);
-  return static_cast<int>(settings_.motor_idle + (FULL_OUTPUT - settings_.motor_idle) * share / 1000.0);
+  int share = (std::min(throttle, CHANNEL_HIGH) - settings_.min_check) * 1000 / (CHANNEL_HIGH - settings_.min_check);
+  const ThrottleLimit& limit = settings_.throttle_limit;
+  if (limit.type == ThrottleLimitType::SCALE) share = share * limit.percent / 100;
+  if (limit.type == ThrottleLimitType::CLIP) share = std::min(share, 10 * limit.percent);
+  const double range = (FULL_OUTPUT - settings_.motor_idle) * settings_.motor_output_limit / 100.0;
+  return static_cast<int>(settings_.motor_idle + range * share / 1000.0);
+}
+
+void StandinController::updateMotor(double now) {
+  if (!armed_) {
+    motor_ = settings_.motor_off;
+    ramp_to_ = -1;
+    return;
+  }
+  const double target = motorFor(throttleInForce(now));
+  if (ramp_to_ < 0) ramp_begin_ = -1e9;  // just armed: no ramp
+  if (target != ramp_to_) {
+    if (ramp_to_ >= 0) ramp_begin_ = now;
+    ramp_from_ = motor_;
+    ramp_to_ = target;
+  }
+  const double x = std::min(1.0, (now - ramp_begin_) / settings_.ramp);
+  motor_ = x < 1.0 ? ramp_from_ + (ramp_to_ - ramp_from_) * x * x * (3.0 - 2.0 * x) : ramp_to_;
 }
 
 void StandinController::step(double now) {
   updateFailsafe(now);
-  updateArming(now);
+  for (; now >= next_look_; next_look_ += settings_.look_period) turn(next_look_, false);
   flags_ = computeFlags(now);
-  motor_ = armed_ ? motorFor(throttleInForce(now)) : settings_.motor_off;
+  updateMotor(now);
 }
 
 MotorOutputs StandinController::motorOutputs() const {
@@ -146,14 +193,9 @@ MotorOutputs StandinController::motorOutputs() const {
 
 Channels StandinController::seenChannels(double now) const {
   Channels seen = values_;
-  if (now - last_good_ > settings_.channel_hold) {
+  if (signalLost(now)) {
     seen.us[ROLL] = seen.us[PITCH] = seen.us[YAW] = CHANNEL_CENTRE;
-    seen.us[THROTTLE] = LOST_CHANNEL;
-  }
-  for (std::size_t i = 0; i < FLIGHT_CHANNELS; ++i) {
-    if (now - valid_time_[i] > settings_.channel_hold && now - last_frame_ <= settings_.channel_hold) {
-      seen.us[i] = LOST_CHANNEL;
-    }
+    seen.us[THROTTLE] = static_cast<std::uint16_t>(lostThrottle());
   }
   std::swap(seen.us[THROTTLE], seen.us[YAW]);
   return seen;

@@ -14,6 +14,7 @@ using test::Simulation;
 constexpr unsigned THROTTLE_AND_PITCH = 1U << THROTTLE | 1U << PITCH;
 constexpr std::size_t OVERRIDE_SWITCH = 5;
 constexpr int IDLE_OUTPUT = 1070;  ///< [us]
+constexpr double SETTLED = 0.04;   ///< [s] a frame of the pilot's and the motors' ramp
 
 Channels sticks(int throttle, bool armed, bool override_switch) {
   Channels channels = safeChannels();
@@ -39,7 +40,7 @@ TEST(Mixed, PitchReachesTheControllerDuringThePulseOnly) {
   s.arm();
   EXPECT_EQ(seenPitch(s), CHANNEL_CENTRE);
   s.command(0.5, 0.2, -0.3);
-  ASSERT_TRUE(s.runUntil(0.05, [&] { return s.fc.motorMicroseconds() == 1509; }));
+  ASSERT_TRUE(s.runUntil(0.08, [&] { return s.fc.motorMicroseconds() == 1509; }));
   EXPECT_EQ(seenPitch(s), 1350);
   EXPECT_EQ(seenThrottle(s), 1500);
   const double start = s.now;
@@ -118,15 +119,15 @@ TEST_F(Override, OnlyMaskedChannelsAndOnlyWhileTheSwitchIsHeld) {
   fc.onFrame(from_computer, now_);
   fly(fc, 0.1, sticks(1300, true, false));
   EXPECT_EQ(fc.motorMicroseconds(), 1314) << "the pilot's throttle";
-  fly(fc, 0.02, sticks(1300, true, true));
+  fly(fc, SETTLED, sticks(1300, true, true));
   EXPECT_TRUE(fc.overrideActive());
   EXPECT_EQ(fc.motorMicroseconds(), 1706) << "the computer's";
   EXPECT_EQ(fc.seenChannels(now_).us[PITCH], 1300);
   EXPECT_EQ(fc.seenChannels(now_).us[ROLL], CHANNEL_CENTRE) << "not masked";
   EXPECT_TRUE(fc.armed()) << "the computer's low AUX1 is not masked";
-  fly(fc, 0.02, sticks(1300, true, false));
+  fly(fc, SETTLED, sticks(1300, true, false));
   EXPECT_EQ(fc.motorMicroseconds(), 1314) << "sticks take control back with the next frame";
-  fly(fc, 0.02, sticks(1300, false, true));
+  fly(fc, 0.06, sticks(1300, false, true));  // five frames
   EXPECT_FALSE(fc.armed()) << "the pilot's arm switch works under override";
 }
 
@@ -138,7 +139,7 @@ TEST_F(Override, DeadComputersLastValueStaysUntilThePilotLetsGo) {
   fly(fc, 10.0, sticks(1000, true, true));
   EXPECT_EQ(fc.motorMicroseconds(), 1706);
   EXPECT_FALSE(fc.failsafe());
-  fly(fc, 0.02, sticks(1000, true, false));
+  fly(fc, SETTLED, sticks(1000, true, false));
   EXPECT_EQ(fc.motorMicroseconds(), IDLE_OUTPUT);
 }
 
@@ -147,10 +148,10 @@ TEST_F(Override, ReleasesThatAgeTheValueGiveTheSticksBack) {
   arm(fc);
   fc.onFrame(computer(1700), now_);
   const double sent = now_;
-  fly(fc, 0.02, sticks(1000, true, true));
+  fly(fc, SETTLED, sticks(1000, true, true));
   EXPECT_EQ(fc.motorMicroseconds(), 1706);
   while (fc.motorMicroseconds() != IDLE_OUTPUT && now_ < 10.0) fly(fc, 0.01, sticks(1000, true, true));
-  EXPECT_NEAR(now_ - sent, 0.31, 0.02);
+  EXPECT_NEAR(now_ - sent, 0.33, 0.02);  // and the ramp
 }
 
 TEST_F(Override, LostReceiverIsNotKeptAliveByTheComputer) {
@@ -245,7 +246,7 @@ TEST_F(PilotAndBridge, PilotsArmSwitchLatchesTheBridge) {
   s_.command(1.0, 1.0);
   s_.run(0.1);
   s_.pilot = sticks(1300, false, true);
-  s_.run(0.02);
+  s_.run(0.06);  // five frames of the pilot's
   EXPECT_EQ(s_.fc.motorMicroseconds(), 1000);
   ASSERT_TRUE(s_.runUntil(0.25, [&] { return state() == BridgeState::FAULT; }));
   EXPECT_EQ(s_.bridge->core().status().fault, Fault::CONTROLLER_DISARMED);

@@ -30,7 +30,7 @@ struct StatusReply {
   int cycle_time = 0;       ///< [us]
   std::uint64_t modes = 0;  ///< bit n = n-th entry of BOXIDS; the first 64
   std::uint32_t arming_flags = 0;
-  int arming_flag_count = 0;
+  int arming_flag_count = 0;  ///< 0: the controller does not tell its flags (a short answer)
 };
 struct BoxIds {
   std::array<std::uint8_t, 64> ids{};
@@ -40,6 +40,7 @@ struct BoxIds {
 };
 struct RxMap {
   std::array<std::uint8_t, 8> map{};
+  int count = 0;  ///< 8, or 4 where only the flight channels are told
 };
 /// AETR1234: roll, pitch, yaw, throttle are read from wire places 0, 1, 3, 2.
 constexpr std::array<std::uint8_t, 8> DEFAULT_RX_MAP = {0, 1, 3, 2, 4, 5, 6, 7};

@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "snapwing/link/channels.h"
+#include "snapwing/link/config_messages.h"
 #include "snapwing/link/motor_stream.h"
-#include "snapwing/link/msp_messages.h"
 
 namespace snapwing::link {
 
@@ -25,18 +25,22 @@ constexpr int ARMING_FLAG_COUNT = 26;
 /// Defaults are the measured ones. [s] and [us]
 struct StandinSettings {
   double boot_grace = 5.0;
-  double rxloss_after = 0.1;       ///< without a frame
-  double rxloss_clear = 0.5;       ///< of frames
-  double throttle_hold = 0.28;     ///< last throttle kept this long, then idle
-  double channel_hold = 0.3;       ///< an invalid channel keeps its last value this long
-  double failsafe_delay = 1.5;     ///< then motors off, disarmed
-  double failsafe_recovery = 1.0;  ///< of frames, and AUX1 low, before failsafe clears
-  double thrust_return = 0.02;     ///< after the first frame that follows a gap longer than throttle_hold
-  double arm_delay = 0.04;
-  double msp_rate = 96.0;    ///< [1/s] commands served
-  int msp_backlog = 106;     ///< commands kept waiting (1.1 s); more are lost
-  int arm_threshold = 1700;  ///< AUX1 at or above
-  int min_check = 1050;      ///< throttle below is low
+  double rxloss_after = 0.1;          ///< without a frame
+  double rxloss_clear = 0.5;          ///< of frames
+  double look_period = 0.1;           ///< without frames the receiver is looked at this often
+  double throttle_hold = 0.3;         ///< the first look at or after this finds the last throttle too old
+  double look_late = 0.006;           ///< that look comes up to this late
+  double early_look_share = 0.05;     ///< of cases in which the third look comes a hair early, and the fourth decides
+  double early_look_late = 0.002;     ///< the fourth comes up to this late
+  double channel_hold = 0.3;          ///< an invalid channel keeps its last value this long, then all four are replaced
+  double failsafe_delay = 1.5;        ///< then motors off, disarmed
+  double failsafe_recovery = 1.0;     ///< of frames before failsafe clears
+  double ramp = 0.021;                ///< the motors' way to a new throttle (RC smoothing), 13 ms of it from 10 to 90 %
+  int disarm_turns = 4;               ///< frames with AUX1 off, after the first, that disarm
+  double msp_rate = 96.0;             ///< [1/s] commands served
+  std::size_t receive_buffer = 1400;  ///< [bytes] that wait; one more and all of them are lost
+  int arm_threshold = 1700;           ///< AUX1 at or above
+  int min_check = 1050;               ///< throttle below is low
   int motor_idle = 1070;
   int motor_off = 1000;
   /// MSP override: not 0 makes the pilot's receiver the main one. Frames of onFrame() then replace the channels of this
@@ -47,7 +51,16 @@ struct StandinSettings {
   ApiVersion api{0, 1, 46};
   std::array<char, 4> variant{'B', 'T', 'F', 'L'};
   FailsafeConfig failsafe{1.5, 1.0, 1000, 0, 10.0, 1};
-  RxMap rx_map{DEFAULT_RX_MAP};
+  RxMap rx_map{DEFAULT_RX_MAP, 8};
+  RxFailConfig rxfail = defaultRxFail();
+  ModeRanges mode_ranges = defaultModeRanges();
+  std::uint32_t features = FEATURE_RX_MSP | FEATURE_AIRMODE;
+  RxConfig rx_config;
+  ThrottleLimit throttle_limit;
+  int motor_output_limit = 100;  ///< [%]
+
+  /// iNav 9.0: four bytes of RX_MAP, a STATUS of eleven, and full throttle for up to 0.92 s after the last frame.
+  void becomeInav();
 };
 
 class StandinController {
@@ -67,7 +80,7 @@ class StandinController {
   bool overrideActive() const { return override_active_; }
   std::uint32_t armingFlags() const { return flags_; }
   /// [us] of each motor; equal, since the stand-in has no attitude loop.
-  int motorMicroseconds() const { return motor_; }
+  int motorMicroseconds() const { return static_cast<int>(motor_); }
   MotorOutputs motorOutputs() const;
   /// Channels as MSP_RC shows them: roll, pitch, yaw, throttle, AUX1 ...
   Channels seenChannels(double now) const;
@@ -77,7 +90,12 @@ class StandinController {
  private:
   void receive(const Channels& channels, double now);
   bool flightChannelsValid(double now) const;
-  void updateArming(double now);
+  void drawHold();
+  void turn(double now, bool frame);
+  void tryToArm(double now, bool frame);
+  bool signalLost(double now) const { return now - last_frame_ > hold_ || channels_lost_; }
+  int lostThrottle() const;
+  void updateMotor(double now);
   void updateFailsafe(double now);
   std::uint32_t computeFlags(double now) const;
   int throttleInForce(double now) const;
@@ -91,19 +109,24 @@ class StandinController {
   double last_frame_ = -1e9;  ///< any frame
   double last_good_ = -1e9;   ///< frame while all flight channels were valid or held
   double good_since_ = 1e18;  ///< unbroken good frames since
-  double thrust_return_ = -1e9;
+  double hold_ = 0;           ///< [s] after the last frame until its throttle counts as too old
+  std::uint32_t draw_ = 0;
+  bool channels_lost_ = false;  ///< a flight channel was invalid for too long
+  double next_look_;
   bool armed_ = false, failsafe_ = false;
-  bool switch_on_ = false, not_disarmed_ = false, arm_switch_latched_ = false;
-  double arm_at_ = -1;  ///< pending arming; negative = none
+  bool switch_seen_ = false;  ///< AUX1 on, as of the turn before
+  bool not_disarmed_ = false, arm_switch_latched_ = false;
+  int disarm_turns_ = 0;
   std::uint32_t flags_ = 0;
-  int motor_;
+  double motor_;                                             ///< [us]
+  double ramp_from_ = 0, ramp_to_ = -1, ramp_begin_ = -1e9;  ///< [us], [us], [s]
   std::int64_t frames_ = 0;
   Channels computer_;  ///< with an override mask: last values of its frames, wire order
   std::array<double, MAX_CHANNELS> computer_time_{};
   bool override_active_ = false;
 };
 
-/// The serial port of the stand-in: one MSP command served per turn of a fixed-rate task.
+/// The serial port of the stand-in: bytes wait in a ring, one MSP command is served per turn of a fixed-rate task.
 class StandinMsp {
  public:
   StandinMsp(StandinController& controller, double now);
@@ -112,19 +135,20 @@ class StandinMsp {
   /// Serves what is due and steps the controller to `now`.
   /// @param out  answers are written here. @return bytes written
   std::size_t step(double now, std::uint8_t* out, std::size_t capacity);
-  std::int64_t lostCommands() const { return lost_; }
+  std::int64_t lostBytes() const { return lost_; }
   std::int64_t served() const { return served_; }
   std::uint64_t badFrames() const { return parser_.badFrames(); }
   void reset();
 
  private:
+  bool nextCommand();
   void serve(const MspPacket& packet, double now, MspPacket& reply);
+  bool serveSetting(MspPacket& reply) const;
 
-  static constexpr std::size_t QUEUE = 128;
   StandinController& controller_;
   MspParser parser_;
-  std::array<MspPacket, QUEUE> queue_;
-  std::size_t head_ = 0, count_ = 0;
+  std::array<std::uint8_t, 1400> ring_;
+  std::size_t size_, head_ = 0, count_ = 0;
   double next_turn_;
   std::int64_t lost_ = 0, served_ = 0;
 };

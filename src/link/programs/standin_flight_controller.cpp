@@ -20,6 +20,7 @@
 #include "snapwing/link/clock.h"
 #include "snapwing/link/standin_controller.h"
 #include "snapwing/link/standin_port.h"
+#include "snapwing/link/standin_wrong.h"
 #include "snapwing/link/transport.h"
 
 namespace {
@@ -37,6 +38,8 @@ struct Options {
   int motor_port = link::MOTOR_STREAM_PORT;
   std::string events;
   double period = 0.001;
+  std::string variant;
+  std::vector<std::string> wrong;
   link::StandinSettings settings;
 };
 
@@ -50,7 +53,7 @@ sockaddr_in ipv4(const std::string& host, int port) {
   return address;
 }
 
-/// Where bytes come from and answers go: a TCP port that serves the newest caller, or a pseudo-terminal.
+/// Where bytes come from and answers go: a TCP port that refuses others while one caller lives, or a pseudo-terminal.
 class Port {
  public:
   explicit Port(const Options& o) {
@@ -85,7 +88,10 @@ class Port {
     if (listener_ < 0) return false;
     const int caller = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (caller < 0) return false;
-    if (client_ >= 0) close(client_);
+    if (callerLives()) {
+      close(caller);
+      return false;
+    }
     client_ = caller;
     const int on = 1;
     setsockopt(client_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -97,10 +103,7 @@ class Port {
     if (client_ < 0) return 0;
     const ssize_t got = ::read(client_, out, capacity);
     if (got > 0) return static_cast<std::size_t>(got);
-    if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
-      close(client_);
-      client_ = -1;
-    }
+    if (got == 0 || (errno != EAGAIN && errno != EINTR)) hangUp();
     return 0;
   }
 
@@ -108,12 +111,25 @@ class Port {
     if (pty_) {
       pty_->write(bytes, size, now);
     } else if (client_ >= 0 && ::write(client_, bytes, size) < 0 && errno != EAGAIN && errno != EINTR) {
-      close(client_);
-      client_ = -1;
+      hangUp();
     }
   }
 
  private:
+  /// False, and closed, if the caller has gone and all that it sent was read.
+  bool callerLives() {
+    std::uint8_t byte = 0;
+    const ssize_t got = client_ < 0 ? 0 : recv(client_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    if (client_ >= 0 && (got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR)))) return true;
+    hangUp();
+    return false;
+  }
+
+  void hangUp() {
+    if (client_ >= 0) close(client_);
+    client_ = -1;
+  }
+
   std::unique_ptr<link::Transport> pty_;
   int listener_ = -1, client_ = -1;
 };
@@ -192,11 +208,7 @@ int run(const Options& o) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app{"Stand-in flight controller with the measured timing of Betaflight 4.5"};
-  Options o;
+void addOptions(CLI::App& app, Options& o) {
   app.add_option("--listen", o.listen, "TCP address and port for MSP; port 0 = any, printed")->capture_default_str();
   app.add_option("--pty", o.pty, "serve a pseudo-terminal instead; its far end is linked here");
   app.add_option("--protocol", o.protocol, "msp, sbus or crsf")
@@ -216,11 +228,24 @@ int main(int argc, char** argv) {
   app.add_option("--failsafe-procedure", o.settings.failsafe.procedure, "shown to who asks; 1 = motors off")
       ->capture_default_str();
   app.add_option("--api-minor", o.settings.api.minor, "minor number of the interface shown")->capture_default_str();
+  app.add_option("--variant", o.variant, "behaves as this firmware")->check(CLI::IsMember({"BTFL", "INAV"}));
+  app.add_option("--wrong", o.wrong, "set wrongly as one of these says; may be given more than once")
+      ->check(CLI::IsMember(link::wrongConfigurations()));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Stand-in flight controller with the measured timing of Betaflight 4.5"};
+  Options o;
+  addOptions(app, o);
   signal(SIGINT, onStop);
   signal(SIGTERM, onStop);
   signal(SIGPIPE, SIG_IGN);
   try {
     app.parse(ownArguments(argc, argv));
+    if (o.variant == "INAV") o.settings.becomeInav();
+    for (const std::string& name : o.wrong) link::setWrongly(name, o.settings);
     o.settings.failsafe_delay = o.settings.failsafe.delay;
     return run(o);
   } catch (const CLI::ParseError& error) {

@@ -1,6 +1,7 @@
 """The real programs, killed and stopped in the middle of a pulse. usage: test_processes.py FOLDER_OF_PROGRAMS [unittest options]"""
 import os
 import signal
+import socket
 import sys
 import time
 import unittest
@@ -18,16 +19,20 @@ class Processes(unittest.TestCase):
         self.addCleanup(self.bench.__exit__)
 
     def idle_after(self, since, timeout=1.0):
-        wait_for(lambda: self.bench.motors.first_at_or_below(IDLE, since) is not None, timeout, "motors at idle")
-        return self.bench.motors.first_at_or_below(IDLE, since) - since
+        return self.idle_time(self.bench, since, timeout)
+
+    @staticmethod
+    def idle_time(bench, since, timeout=1.0):
+        wait_for(lambda: bench.motors.first_at_or_below(IDLE, since) is not None, timeout, "motors at idle")
+        return bench.motors.first_at_or_below(IDLE, since) - since
 
     def test_pulse_has_its_length(self):
         bench = self.bench
         bench.arm()
         bench.pulse(0.5, 0.25)
-        rise = bench.motors.last()["t"]
-        self.assertEqual(bench.motors.last()["motor"], 1509)
-        self.assertAlmostEqual(self.idle_after(rise), 0.25, delta=0.02 + SLACK)
+        rise = bench.motors.first_above(IDLE, 0)
+        wait_for(lambda: bench.motors.last()["motor"] == 1509, 0.2, "motors at half")
+        self.assertAlmostEqual(self.idle_after(rise), 0.25, delta=0.04 + SLACK)  # idle comes at the end of a ramp of 21 ms
         self.assertLess(bench.status()["latency_worst"], 0.03 + SLACK)
 
     def test_killed_bridge_ends_in_failsafe_and_a_new_one_brings_no_thrust(self):
@@ -37,7 +42,7 @@ class Processes(unittest.TestCase):
         time.sleep(0.2)
         bench.bridge.signal(signal.SIGKILL)
         killed = time.monotonic()
-        self.assertLess(self.idle_after(killed), 0.3 + SLACK)
+        self.assertLess(self.idle_after(killed), 0.45 + SLACK)
         wait_for(lambda: bench.motors.last()["failsafe"], 2.0, "failsafe")
         self.assertAlmostEqual(bench.motors.last()["t"] - killed, 1.5, delta=0.05 + SLACK)
         self.assertEqual(bench.motors.last()["motor"], OFF)
@@ -56,7 +61,8 @@ class Processes(unittest.TestCase):
                 bench.bridge.signal(number)
                 sent = time.monotonic()
                 wait_for(lambda: bench.motors.last()["motor"] == OFF, 1.0, "motors off")
-                self.assertLess(bench.motors.last()["t"] - sent, 0.04 + SLACK)
+                self.assertLess(self.idle_time(bench, sent), 0.04 + SLACK)
+                self.assertLess(bench.motors.last()["t"] - sent, 0.12 + SLACK, "off with the fifth frame")
                 self.assertFalse(bench.motors.last()["failsafe"], "disarmed by the bridge, not by the failsafe")
                 bench.bridge.child.wait(2)
                 self.assertGreater(time.monotonic() - sent, 0.2, "safe frames for at least 0.2 s")
@@ -83,7 +89,7 @@ class Processes(unittest.TestCase):
         bench.console.send("abort")
         sent = time.monotonic()
         self.assertLess(self.idle_after(sent), 0.04 + SLACK)
-        self.assertEqual(bench.motors.last()["motor"], OFF)
+        wait_for(lambda: bench.motors.last()["motor"] == OFF, 0.2, "motors off")
 
     def test_stopped_and_continued_bridge_brings_nothing_back(self):
         bench = self.bench
@@ -91,7 +97,7 @@ class Processes(unittest.TestCase):
         bench.pulse(1.0, 1.4)
         bench.bridge.signal(signal.SIGSTOP)
         stopped = time.monotonic()
-        self.assertLess(self.idle_after(stopped), 0.3 + SLACK)
+        self.assertLess(self.idle_after(stopped), 0.45 + SLACK)
         idle = time.monotonic()
         time.sleep(0.4)
         bench.bridge.signal(signal.SIGCONT)
@@ -120,10 +126,19 @@ class Processes(unittest.TestCase):
                 time.sleep(1.0)
                 bench.arm()
                 bench.pulse(0.5, 0.2)
-                rise = bench.motors.last()["t"]
-                self.assertAlmostEqual(bench.motors.last()["motor"], 1509, delta=2)
+                rise = bench.motors.first_above(IDLE, 0)
+                wait_for(lambda: abs(bench.motors.last()["motor"] - 1509) <= 2, 0.2, "motors at half")
                 wait_for(lambda: bench.motors.first_at_or_below(IDLE, rise) is not None, 1.0, "motors at idle")
-                self.assertAlmostEqual(bench.motors.first_at_or_below(IDLE, rise) - rise, 0.2, delta=0.02 + SLACK)
+                self.assertAlmostEqual(bench.motors.first_at_or_below(IDLE, rise) - rise, 0.2, delta=0.04 + SLACK)
+
+    def test_controller_serves_one_caller_at_a_time(self):
+        with socket.create_connection(("127.0.0.1", self.bench.controller_port), timeout=2) as second:
+            self.assertEqual(second.recv(1), b"", "closed at once, since the bridge is there")
+        self.bench.bridge.kill()
+        time.sleep(0.1)
+        with socket.create_connection(("127.0.0.1", self.bench.controller_port), timeout=2) as second:
+            second.sendall(bytes.fromhex("244d3c000101"))
+            self.assertEqual(second.recv(3), b"$M>")
 
     def test_bad_input_is_refused_with_a_reason(self):
         for options, words in ((["--fc", "nonsense"], "tcp:HOST:PORT"), (["--max-pulse", "99"], "max_pulse"),
