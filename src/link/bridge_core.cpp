@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "snapwing/link/controller_checks.h"
+
 namespace snapwing::link {
 namespace {
 
@@ -164,8 +166,9 @@ Refusal BridgeCore::checkArming(const Sender& sender, double now, std::int64_t& 
   detail = controller.failed_check;
   if (!controller.known) return Refusal::CONTROLLER_UNKNOWN;
   if (!controller.readback) return Refusal::NONE;
-  detail = controller.arming_flags;
+  detail = static_cast<std::int64_t>(Check::NOT_READ);
   if (now - controller.status_time > settings_.telemetry_timeout) return Refusal::CONTROLLER_UNKNOWN;
+  detail = controller.arming_flags;
   if (controller.failsafe) return Refusal::CONTROLLER_FAILSAFE;
   if (settings_.pilot_override) {
     return controller.armed && controller.override_active ? Refusal::NONE : Refusal::PILOT_NOT_READY;

@@ -15,10 +15,18 @@ constexpr int WINDOW = 2;
 constexpr int THRUST_WINDOW = 1;      ///< a frame with thrust leaves only when the one before it was answered
 constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
 
-MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? MspVersion::V1 : MspVersion::V2; }
 bool speaksMsp(Protocol protocol) { return protocol == Protocol::MSP1 || protocol == Protocol::MSP2; }
 
 }  // namespace
+
+MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? MspVersion::V1 : MspVersion::V2; }
+
+ControllerRules controllerRules(const BridgeSettings& settings, const std::set<std::string>& allowed) {
+  ControllerRules rules;
+  rules.pilot_override = settings.pilot_override;
+  rules.allowed = allowedMask(allowed);
+  return rules;
+}
 
 Protocol protocolFromName(const std::string& name) {
   if (name == "msp1") return Protocol::MSP1;
@@ -40,7 +48,7 @@ BridgeLoop::BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool r
       readback_(readback && speaksMsp(protocol)),
       transport_(transport),
       core_(settings, session, now),
-      watch_(mspVersion(protocol), allowed, settings.pilot_override) {}
+      watch_(mspVersion(protocol), controllerRules(settings, allowed)) {}
 
 WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
   if (protocol == Protocol::SBUS) return encodeSbus(channels);

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "snapwing/common/error.h"
+#include "snapwing/link/controller_checks.h"
 
 namespace snapwing::link {
 namespace {
@@ -110,7 +111,7 @@ std::string describe(Refusal refusal, std::int64_t detail) {
     case Refusal::NOT_CONNECTED:
       return "no connection to the flight controller";
     case Refusal::CONTROLLER_UNKNOWN:
-      return "flight controller's identity or settings unknown or unsafe (check " + std::to_string(detail) + ")";
+      return "flight controller not fit to be armed: " + describe(static_cast<Check>(detail));
     case Refusal::CONTROLLER_NOT_READY:
       return "flight controller not ready to arm: " + describeArmingFlags(static_cast<std::uint32_t>(detail));
     case Refusal::CONTROLLER_FAILSAFE:

@@ -45,7 +45,7 @@ TEST(BridgeLoop, UnsafeControllersAreRefusedUnlessAllowedByName) {
   const std::vector<Case> cases = {{"failsafe-procedure", [](StandinSettings& s) { s.failsafe.procedure = 0; }},
                                    {"failsafe-delay", [](StandinSettings& s) { s.failsafe.delay = 3.0; }},
                                    {"rx-map", [](StandinSettings& s) { s.rx_map.map = {0, 1, 2, 3, 4, 5, 6, 7}; }},
-                                   {"api-version", [](StandinSettings& s) { s.api.minor = 44; }},
+                                   {"api-version", [](StandinSettings& s) { s.api.minor = 43; }},
                                    {"controller", [](StandinSettings& s) {
                                       s.variant = {'C', 'L', 'F', 'L'};
                                     }}};

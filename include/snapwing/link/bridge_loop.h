@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <set>
 
 #include "snapwing/link/bridge_core.h"
 #include "snapwing/link/controller_watch.h"
@@ -18,6 +19,11 @@ enum class Protocol { MSP1, MSP2, SBUS, CRSF };
 Protocol protocolFromName(const std::string& name);
 /// Baud rate, parity and stop bits that the protocol asks for.
 LineSettings lineSettings(Protocol protocol);
+
+MspVersion mspVersion(Protocol protocol);
+/// What the controller's answers are held against.
+/// @param allowed  names of checks that need not pass. @throws common::SettingError for an unknown name
+ControllerRules controllerRules(const BridgeSettings& settings, const std::set<std::string>& allowed);
 
 /// One authenticated message on its way into the loop.
 struct Inbound {

@@ -22,6 +22,7 @@
 #include "snapwing/link/bridge_lcm.h"
 #include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/clock.h"
+#include "snapwing/link/controller_check.h"
 #include "snapwing/link/realtime.h"
 #include "snapwing/link/transport.h"
 
@@ -33,6 +34,8 @@ volatile sig_atomic_t stop_signal = 0;
 std::atomic<int> crash_descriptor{-1};
 link::WireFrame crash_frame;
 
+constexpr double CHECK_PATIENCE = 5.0;  ///< [s]
+
 struct Options {
   std::string fc = "tcp:127.0.0.1:5761";
   std::string lcm_url = link::DEFAULT_LCM_URL;
@@ -40,6 +43,7 @@ struct Options {
   std::string key_file, create_key;
   std::vector<std::string> allow;
   int realtime_priority = 50;
+  bool check = false;
   link::BridgeSettings settings;
 };
 
@@ -83,8 +87,11 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--key-file", o.key_file, "key shared with the operator's node, permissions 0600");
   app.add_option("--create-key", o.create_key, "draw a new key, write it to this file and end");
   app.add_option("--allow", o.allow,
-                 "checks of the flight controller that need not pass: controller, api-version, rx-map, failsafe-delay, "
-                 "failsafe-procedure; no-readback: do not ask it at all (needed with sbus and crsf)");
+                 "checks of the flight controller that need not pass: " + link::allowableChecks() +
+                     "; no-readback: do not ask it at all (needed with sbus and crsf)");
+  app.add_flag("--check", o.check,
+               "ask the flight controller, print what is ready and what is not, and end: 0 ready, 1 not ready, 3 no "
+               "answer; sends no channel and needs no key");
   app.add_option("--max-throttle", o.settings.max_throttle, "larger commands are refused [1]")->capture_default_str();
   app.add_option("--max-pulse", o.settings.max_pulse, "longer commands are refused [s]")->capture_default_str();
   app.add_option("--max-pitch", o.settings.max_pitch, "pitch stick with mixed control, 0 = not allowed [1]")
@@ -145,6 +152,14 @@ void run(link::BridgeLoop& loop, link::BridgeLcm& lcm, link::Transport& transpor
   }
 }
 
+int check(const Options& o, link::Protocol protocol, const std::set<std::string>& allowed) {
+  const std::unique_ptr<link::Transport> line = link::makeTransport(o.fc, link::lineSettings(protocol));
+  const link::CheckReport report = link::checkController(*line, link::mspVersion(protocol),
+                                                         link::controllerRules(o.settings, allowed), CHECK_PATIENCE);
+  std::printf("flight controller on %s:\n%s", o.fc.c_str(), report.text.c_str());
+  return static_cast<int>(report.result);
+}
+
 int start(const Options& o) {
   if (!o.create_key.empty()) {
     link::createKeyFile(o.create_key);
@@ -155,10 +170,14 @@ int start(const Options& o) {
   const bool blind = allowed.erase("no-readback") > 0;
   const link::Protocol protocol = link::protocolFromName(o.protocol);
   const bool can_ask = protocol == link::Protocol::MSP1 || protocol == link::Protocol::MSP2;
+  if (!can_ask && o.check) {
+    throw common::SettingError("radio bridge", "check", o.protocol, "msp1 or msp2: other lines cannot be asked");
+  }
   if (!can_ask && !blind) {
     throw common::SettingError("radio bridge", "allow", "",
                                "no-readback must be named: " + o.protocol + " cannot be asked");
   }
+  if (o.check) return check(o, protocol, allowed);
   const link::Key key = link::loadKeyFile(o.key_file);
   const std::unique_ptr<link::Transport> transport = link::makeTransport(o.fc, link::lineSettings(protocol));
   const std::int64_t session = link::randomId();
