@@ -27,7 +27,7 @@ enum class Check : int {
   RXFAIL_STICKS = 11,      ///< a lost stick is not AUTO
   RXFAIL_AUX1 = 12,        ///< lost AUX1 is set to the arming range
   ARM_RANGE = 13,          ///< ARM is not on AUX1 alone, from between low and high to high
-  MODE_3D = 14,         ///< low throttle is full reverse
+  MODE_3D = 14,            ///< low throttle is full reverse
   RECEIVER = 15,           ///< not the MSP receiver
   MIN_CHECK = 16,          ///< the controller's low throttle is not that of the vehicle file
   RX_RANGE = 17,           ///< the controller takes our throttle for invalid
