@@ -8,8 +8,10 @@
 #include <mutex>
 #include <utility>
 
+#include "arm_judgement.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/parallel.h"
+#include "snapwing/design/arm_extrapolation.h"
 #include "snapwing/design/design_scene.h"
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/scene_curve.h"
@@ -17,10 +19,6 @@
 namespace snapwing::design {
 
 namespace {
-
-constexpr char PLANAR_LINEAR[] = "planar, linear kernel";
-constexpr char PLANAR_QUADRATIC[] = "planar, quadratic B-spline";
-constexpr char VOLUMETRIC[] = "volumetric, linear kernel, reduced volume term";
 
 double interpolate(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (!std::isfinite(at)) return std::numeric_limits<double>::quiet_NaN();
@@ -47,7 +45,7 @@ void traceArm(const ArmDesignSettings& s, const mpm::DensityField& field, const 
   const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
                                       v.material.mass_density.value};
   statics::ArmCurveSettings settings;
-  settings.from = 0;
+  settings.from = s.vehicle.limits.travel_min;
   settings.to = s.travel_max;
   settings.step = s.check_step;
   settings.progress = cancel;
@@ -98,47 +96,6 @@ void trace(const ArmDesignSettings& s, const mpm::DensityField& field, const Bod
   c.bistable = c.features.bistable;
 }
 
-/// The wish must hold in every case.
-ArmTarget judge(const ArmCheck& check, const std::string& name, double low, double high, const char* unit,
-                double (*value)(const ArmCheckCase&), bool offset_cases) {
-  ArmTarget t;
-  t.name = name;
-  char text[80];
-  std::snprintf(text, sizeof text, "%g .. %g %s", low, high, unit);
-  t.wanted = text;
-  t.low = std::numeric_limits<double>::infinity(), t.high = -t.low;
-  t.met = true;
-  for (const ArmCheckCase& c : check.cases) {
-    if (c.name == "grey" || (c.offset != 0 && !offset_cases)) continue;
-    const double x = c.traced ? value(c) : std::numeric_limits<double>::quiet_NaN();
-    t.met = t.met && x >= low && x <= high;
-    if (std::isnan(x)) continue;
-    t.low = std::min(t.low, x), t.high = std::max(t.high, x);
-  }
-  if (t.low > t.high) t.low = t.high = std::numeric_limits<double>::quiet_NaN();
-  return t;
-}
-
-void judgeAll(const ArmTargets& wanted, ArmCheck& check) {
-  using C = const ArmCheckCase&;
-  const auto add = [&](const char* name, const std::array<double, 2>& range, const char* unit, double (*value)(C),
-                       bool offset_cases = false) {
-    check.targets.push_back(judge(check, name, range[0], range[1], unit, value, offset_cases));
-  };
-  add("peak force", wanted.peak, "N", [](C c) { return c.features.peak_force; });
-  add("valley force", wanted.valley, "N", [](C c) { return c.features.valley_force; });
-  add("second equilibrium", wanted.second, "m", [](C c) { return c.features.second_travel; });
-  const bool turns = std::any_of(check.cases.begin(), check.cases.end(), [](C c) { return c.turns; });
-  if (turns) add("rotation there", wanted.rotation, "rad", [](C c) { return c.rotation_second; });
-  add("hysteresis over peak", {0, wanted.hysteresis}, "", [](C c) { return c.hysteresis_share; });
-  add("unstable points", {0, 0}, "", [](C c) { return static_cast<double>(c.unstable_points); });
-  const auto bistable = [](C c) { return c.bistable ? 1.0 : 0.0; };
-  add("bistable, printing error too", {1, 1}, "", bistable, true);
-  check.all_met = std::all_of(check.targets.begin(), check.targets.end(), [](const ArmTarget& t) { return t.met; });
-  check.bistable = check.complete && check.targets.back().met;
-  check.all_met = check.all_met && check.complete;
-}
-
 /// The optimiser's own field, then the thresholded design on the grids, kernels and outlines of the settings.
 std::vector<std::pair<Body, mpm::DensityField>> bodiesOf(const ArmDesignSettings& s, const ArmShape& shape,
                                                          const mpm::DensityField& grey) {
@@ -165,9 +122,33 @@ std::vector<std::pair<Body, mpm::DensityField>> bodiesOf(const ArmDesignSettings
       if (s.check_offset == 0) break;
     }
   }
-  if (s.check_quadratic_cell > 0) add({"", PLANAR_QUADRATIC, 0, false, true}, s.check_quadratic_cell, " B-spline");
-  if (s.check_volumetric_cell > 0) add({"", VOLUMETRIC, 0, true}, s.check_volumetric_cell, " solid");
+  for (const double cell : s.check_quadratic_cells) add({"", PLANAR_QUADRATIC, 0, false, true}, cell, " B-spline");
+  for (const double cell : s.check_volumetric_cells) add({"", VOLUMETRIC, 0, true}, cell, " solid");
   return bodies;
+}
+
+}  // namespace
+
+namespace {
+
+/// The body, and an empty cell on each side of the domain that it does not reach.
+mpm::DensityField onWholeGrid(mpm::DensityField body, const mpm::DensityField& domain) {
+  const int nx = body.cells[0], ny = body.cells[1];
+  const auto side = [&](int i0, int i1, int j0, int j1) {
+    for (const bool marking : {false, true}) {
+      for (int j = j0; j <= j1; ++j) {
+        for (int i = i0; i <= i1; ++i) {
+          if (!marking && body.present(i, j)) return;
+          if (!marking || !domain.present(i, j)) continue;
+          body.value[static_cast<std::size_t>(j) * nx + i] = 0;
+          return;
+        }
+      }
+    }
+  };
+  side(0, 0, 0, ny - 1), side(nx - 1, nx - 1, 0, ny - 1);
+  side(0, nx - 1, 0, 0), side(0, nx - 1, ny - 1, ny - 1);
+  return body;
 }
 
 }  // namespace
@@ -202,6 +183,7 @@ ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::
     if (cancel(0, 0)) return;
     ArmCheckCase& c = cases[count - 1 - n];
     c.name = body.name, c.rung = body.rung, c.cell_size = field.cell_size, c.offset = body.offset;
+    c.solid = body.volumetric;
     trace(s, field, body, cancel, c);
     done[count - 1 - n] = !cancelled;
   });
@@ -210,6 +192,14 @@ ArmCheck checkArm(const ArmDesignSettings& s, const ArmShape& shape, const mpm::
     if (done[n]) check.cases.push_back(std::move(cases[n]));
   }
   check.complete = !cancelled;
+  if (const ArmCheckCase* finest = check.reference()) {
+    const auto same = [&](const auto& pair) {
+      return pair.first.offset == 0 && pair.first.rung == PLANAR_LINEAR && pair.first.name == finest->name;
+    };
+    const auto found = std::find_if(bodies.begin(), bodies.end(), same);
+    check.body = onWholeGrid(found->second, designDomain(s, finest->cell_size, 0));
+  }
+  check.table = extrapolatedTable(check);
   judgeAll(s.targets, check);
   return check;
 }

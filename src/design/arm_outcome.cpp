@@ -67,8 +67,13 @@ json reportOf(const ArmDesignSettings& s, const ArmCheck& check) {
   j["bistable"] = check.bistable ? "yes" : "no";
   j["all_targets_met"] = check.all_met;
   for (const ArmTarget& t : check.targets) {
-    j["targets"].push_back(
-        {{"name", t.name}, {"wanted", t.wanted}, {"low", orNull(t.low)}, {"high", orNull(t.high)}, {"met", t.met}});
+    j["targets"].push_back({{"name", t.name},
+                            {"wanted", t.wanted},
+                            {"low", orNull(t.low)},
+                            {"high", orNull(t.high)},
+                            {"extrapolated", t.converged},
+                            {"met", t.met()},
+                            {"verdict", nameOf(t.verdict)}});
   }
   for (const ArmCheckCase& c : check.cases) j["cases"].push_back(describe(c));
   return j;
@@ -78,6 +83,34 @@ std::string curveFile(const ArmCheckCase& c) {
   std::string name = c.name;
   for (char& letter : name) letter = letter == ' ' || letter == ',' ? '_' : letter;
   return "curve_" + name + ".h5";
+}
+
+/// The curve of a case, or the extrapolated one. @return what was written
+common::ForceTable saveCurve(const ArmDesignSettings& s, const ArmOutcome& outcome, common::ForceTable table,
+                             const std::string& name, const std::string& rung, const std::string& file) {
+  table.provenance = {
+      {"case", name},
+      {"rung", rung},
+      {"inputs_sha256", s.hash()},
+      {"command", "snapwing design arm"},
+      {"snapwing_version", common::version()},
+      {"density_sha256", common::sha256OfFile(name == "grey" ? outcome.densityFile() : outcome.bodyFile())}};
+  common::saveForceTable(table, file);
+  return table;
+}
+
+/// The body and the table that a vehicle file should name. @return what of them is there
+json saveForVehicle(const ArmDesignSettings& s, const ArmCheck& check, ArmOutcome& outcome) {
+  const ArmCheckCase* finest = check.reference();
+  if (!finest) return json::object();
+  saveDensityCsv(check.body, "printed body of arm design '" + s.name + "', inputs " + s.hash(), outcome.bodyFile());
+  const bool limit = !check.table.travel.empty();
+  common::ForceTable table = limit ? check.table : finest->table;
+  table.arm_count = s.copies;
+  outcome.table = saveCurve(s, outcome, table, limit ? "extrapolated" : finest->name,
+                            limit ? std::string(finest->rung) + ", extrapolated to small cells" : finest->rung,
+                            outcome.tableFile());
+  return {{"table", "table.h5"}, {"body", "body.csv"}};
 }
 
 /// Check, curves, parts, report.
@@ -93,20 +126,10 @@ void finish(const ArmDesignSettings& s, const mpm::DensityField& field, const Ar
   if (job.checked) job.checked(check);
   outcome.bistable = check.bistable, outcome.all_met = check.all_met;
   json report = reportOf(s, check);
-  const ArmCheckCase* finest = check.reference();
+  report.update(saveForVehicle(s, check, outcome));
   for (const ArmCheckCase& c : check.cases) {
-    if (!c.traced) continue;
-    common::ForceTable table = c.table;
-    table.provenance = {{"case", c.name},
-                        {"rung", c.rung},
-                        {"inputs_sha256", s.hash()},
-                        {"command", "snapwing design arm"},
-                        {"snapwing_version", common::version()},
-                        {"density_sha256", common::sha256OfFile(outcome.densityFile())}};
-    common::saveForceTable(table, job.folder + "/" + curveFile(c));
-    if (&c == finest) outcome.table = table;
+    if (c.traced) saveCurve(s, outcome, c.table, c.name, c.rung, job.folder + "/" + curveFile(c));
   }
-  if (finest) report["table"] = curveFile(*finest);
   if (!shape.empty() && s.user_scene) saveOutline(shape, job.folder + "/parts");
   if (!shape.empty() && !s.user_scene) {
     const ArmPartsReport parts = saveArmParts(s.vehicle, shape, job.folder + "/parts");

@@ -29,6 +29,13 @@ std::vector<double> someNumbers(SettingsReader& map, const std::string& key, con
   return values;
 }
 
+/// A list of cell sizes [m], perhaps empty; the key of one size that older files have is refused with the new one.
+std::vector<double> cellSizes(SettingsReader& map, const std::string& key, const std::string& older) {
+  if (map.has(older)) map.fail(older, "an older key", key + ": [..], a list of sizes, [] for none");
+  if (!map.has(key)) return {};
+  return map.numbers(key, 0, {1e-4, 0.01}, "m");
+}
+
 std::array<double, 2> interval(SettingsReader& map, const std::string& key, const std::array<double, 2>& fallback,
                                const std::string& unit) {
   if (!map.has(key)) return fallback;
@@ -141,8 +148,8 @@ void readRun(SettingsReader& root, ArmDesignSettings& s) {
   s.check_cells = someNumbers(check, "cell_sizes", {1e-4, 0.01}, "m");
   s.check_offset = check.number("printing_error", {0, 0.002}, "m");
   s.check_step = check.number("step", {1e-4, 0.005}, "m");
-  s.check_quadratic_cell = check.number("quadratic_cell_size", {0, 0.01}, "m");
-  s.check_volumetric_cell = check.number("volumetric_cell_size", {0, 0.01}, "m");
+  s.check_quadratic_cells = cellSizes(check, "quadratic_cell_sizes", "quadratic_cell_size");
+  s.check_volumetric_cells = cellSizes(check, "volumetric_cell_sizes", "volumetric_cell_size");
   s.check_volumetric_step = check.number("volumetric_step", {1e-4, 0.005}, "m");
   check.finish();
 }

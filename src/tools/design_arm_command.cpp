@@ -72,8 +72,8 @@ void printCheck(const ArmCheck& check) {
                 c.bistable ? "yes" : "no");
   }
   for (const ArmTarget& t : check.targets) {
-    std::printf("  %-30s wanted %-18s found %.4g .. %.4g  %s\n", t.name.c_str(), t.wanted.c_str(), t.low, t.high,
-                t.met ? "met" : "NOT MET");
+    std::printf("  %-30s wanted %-18s %s %.4g .. %.4g  %s\n", t.name.c_str(), t.wanted.c_str(),
+                t.converged ? "converges to" : "found", t.low, t.high, nameOf(t.verdict));
   }
   std::printf("bistable: %s\n", check.bistable ? "yes" : "no");
 }

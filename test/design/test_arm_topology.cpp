@@ -128,11 +128,10 @@ TEST(ArmCheck, SideBySideChangesNothingAndTellsEachCaseOnce) {
   ArmDesignSettings s = coarse();
   s.check_cells = {0.004, 0.002};
   s.check_offset = 0.0002;
-  s.check_quadratic_cell = 0.004;
-  s.check_volumetric_cell = 0;
+  s.check_quadratic_cells = {0.004};
+  s.check_volumetric_cells = {};
   s.check_step = 0.004;
-  const mpm::DensityField field =
-      loadDesignedDensity(s, test::sourceDir() + "/data/arms/arris_x220.csv");
+  const mpm::DensityField field = loadDesignedDensity(s, test::sourceDir() + "/data/arms/arris_x220.csv");
   const ArmShape shape(field);
   const auto checked = [&](int threads, std::vector<std::string>& told) {
     s.threads = threads;

@@ -206,7 +206,7 @@ ArmDesignSettings coarseSwitch(const std::string& file) {
   ArmDesignSettings s = loadArmDesignSettings(file);
   s.stages = {{false, 0.004, 3, 0.05}};
   s.check_cells = {0.002};
-  s.check_quadratic_cell = s.check_volumetric_cell = 0;
+  s.check_quadratic_cells = s.check_volumetric_cells = {};
   s.check_step = 0.002;
   return s;
 }

@@ -43,7 +43,7 @@ class Design(unittest.TestCase):
         self.assertTrue(os.path.exists(os.path.join(first.folder, "report.json")))
         self.assertTrue(os.path.exists(os.path.join(first.folder, "parts", "arm.stl")))
         geometry = rospy.wait_for_message("designed/arm_geometry", ArmGeometry, timeout=10)
-        self.assertEqual(geometry.density_file, os.path.join(first.folder, "density.csv"))
+        self.assertEqual(geometry.density_file, os.path.join(first.folder, "body.csv"))
         curve = rospy.wait_for_message("designed/force_curve", ForceDisplacementCurve, timeout=10)
         self.assertEqual(curve.inputs_sha256, first.inputs_sha256)
         self.assertEqual(curve.bistable, first.verdict)

@@ -10,8 +10,14 @@
 #include "snapwing/common/force_table.h"
 #include "snapwing/design/arm_settings.h"
 #include "snapwing/design/arm_shape.h"
+#include "snapwing/mpm/density_field.h"
 
 namespace snapwing::design {
+
+/// What ArmCheckCase::rung says.
+constexpr char PLANAR_LINEAR[] = "planar, linear kernel";
+constexpr char PLANAR_QUADRATIC[] = "planar, quadratic B-spline";
+constexpr char VOLUMETRIC[] = "volumetric, linear kernel, reduced volume term";
 
 /// One traced body. Forces are TOTALS of the vehicle's arms, as the targets are.
 struct ArmCheckCase {
@@ -19,6 +25,7 @@ struct ArmCheckCase {
   std::string rung;      ///< model and kernel in words
   double cell_size = 0;  ///< [m]
   double offset = 0;     ///< [m] of the outline
+  bool solid = false;    ///< volumetric
   bool traced = false;   ///< forward and back reached their ends
   std::string message;
   common::CurveFeatures features{};
@@ -31,11 +38,19 @@ struct ArmCheckCase {
   common::ForceTable table;
 };
 
-/// One wish of the vehicle and whether every case meets it.
+enum class Verdict { MET, NOT_MET, NOT_DECIDED };
+/// "met", "NOT MET", "NOT DECIDED"
+const char* nameOf(Verdict verdict);
+
+/// One wish of the vehicle and what the check says of it. A value that depends on the cells is judged where it
+/// converges to, error bar included (arm_extrapolation.h), for planar and solid bodies each; where there is nothing to
+/// extrapolate from, and for counts, by its range over the bodies without offset.
 struct ArmTarget {
   std::string name, wanted;
-  double low = 0, high = 0;  ///< range over the cases without offset
-  bool met = false;
+  double low = 0, high = 0;  ///< what was judged
+  bool converged = false;    ///< low .. high are those of an extrapolation
+  Verdict verdict = Verdict::NOT_MET;
+  bool met() const { return verdict == Verdict::MET; }
 };
 
 struct ArmCheck {
@@ -44,6 +59,11 @@ struct ArmCheck {
   bool bistable = false;  ///< on every re-meshed case, offset ones too
   bool all_met = false;
   bool complete = false;  ///< false: cancelled
+  /// The printed body on the finest planar grid; cells outside of it are absent, but one of density 0 on each side of
+  /// the domain that it does not reach, so that the list of its cells tells the whole grid.
+  mpm::DensityField body;
+  /// Curve of one arm in the limit of small cells, for what flies; no points if there is nothing to extrapolate from.
+  common::ForceTable table;
   /// The finest planar case of the linear kernel without offset that could be traced; null if none.
   const ArmCheckCase* reference() const;
 };

@@ -22,8 +22,11 @@ struct ArmOutcome {
   double violation = std::numeric_limits<double>::quiet_NaN();
   int iterations = 0;
   bool bistable = false, all_met = false;  ///< the check's verdicts
-  common::ForceTable table;                ///< of the finest planar body that was checked; no points if none was traced
-  std::string densityFile() const { return folder + "/density.csv"; }
+  /// Of the printed body in the limit of small cells, or on the finest planar grid; no points if none was traced.
+  common::ForceTable table;
+  std::string densityFile() const { return folder + "/density.csv"; }  ///< the optimiser's own field
+  std::string bodyFile() const { return folder + "/body.csv"; }   ///< the printed body; a vehicle's arm.density_file
+  std::string tableFile() const { return folder + "/table.h5"; }  ///< a vehicle's arm.table_file
 };
 
 struct ArmJob {
@@ -36,8 +39,8 @@ struct ArmJob {
   std::function<void(const ArmPartsReport&)> printed;  ///< the end of the parts
 };
 
-/// Optimises, checks and writes density.csv, history, curve_*.h5, parts/ and, last, report.json. If cancelled, the
-/// checkpoint stays and no report is written. @throws common::Error
+/// Optimises, checks and writes density.csv, history, body.csv, table.h5, curve_*.h5, parts/ and, last, report.json. If
+/// cancelled, the checkpoint stays and no report is written. @throws common::Error
 ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job);
 
 /// The same for a density that is given. @throws common::Error

@@ -78,8 +78,8 @@ struct ArmDesignSettings {
   std::vector<double> check_cells{0.001, 0.0005};  ///< [m] of the post-check
   double check_offset = 0.0002;                    ///< [m] printing error that the design is checked with
   double check_step = 0.001;                       ///< [m]
-  double check_quadratic_cell = 0;                 ///< [m] of the check with the B-spline kernel; 0: none
-  double check_volumetric_cell = 0;                ///< [m] of the check as a solid; 0: none
+  std::vector<double> check_quadratic_cells;       ///< [m] of the check with the B-spline kernel; may be empty
+  std::vector<double> check_volumetric_cells;      ///< [m] of the check as a solid; may be empty
   double check_volumetric_step = 0.002;            ///< [m]
   ArmTargets targets;
 
