@@ -10,7 +10,8 @@ namespace {
 using namespace snapwing::design;
 
 const WingSettings& settings() {
-  static const WingSettings instance = loadWingSettings(snapwing::test::sourceDir() + "/config/designs/wing_paper.yaml");
+  static const WingSettings instance =
+      loadWingSettings(snapwing::test::sourceDir() + "/config/designs/wing_paper.yaml");
   return instance;
 }
 

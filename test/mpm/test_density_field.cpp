@@ -26,8 +26,7 @@ double area(const std::vector<std::array<double, 2>>& loop) {
 }
 
 TEST(DensityField, ReadsTheShippedDesign) {
-  const DensityField f =
-      loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
+  const DensityField f = loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
   EXPECT_NEAR(f.cell_size, 1e-3, 1e-12);
   EXPECT_TRUE(f.present(79, 19));
   EXPECT_FALSE(f.present(20, 20));

@@ -21,8 +21,7 @@ common::ArmSettings armSettings() {
 /// The shipped design on 4 mm cells, moved along a fixed pattern by h.
 mpm::DensityField design(double h) {
   mpm::DensityField f =
-      mpm::loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04)
-          .resampled(0.004);
+      mpm::loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04).resampled(0.004);
   for (std::size_t c = 0; c < f.value.size(); ++c) {
     if (f.value[c] >= 0) f.value[c] = 0.25 + 0.7 * f.value[c] + 0.04 * h * std::cos(3.0 * static_cast<double>(c));
   }

@@ -6,8 +6,8 @@
 #include "jointed_truss.h"
 #include "snapwing/statics/features.h"
 #include "snapwing/statics/scene_curve.h"
-#include "truss.h"
 #include "support/paths.h"
+#include "truss.h"
 
 namespace snapwing::statics {
 namespace {

@@ -52,7 +52,8 @@ void writeProvenance(hid_t file, const std::map<std::string, std::string>& entri
 std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path);
 
 /// Has `fill` make a file in memory, then writes its bytes as writeFileAtomically does: HDF5 itself never meets a full
-/// disk, after which it cannot even close a file. It prints nothing meanwhile. @throws FileError, also what `fill` throws
+/// disk, after which it cannot even close a file. It prints nothing meanwhile. @throws FileError, also what `fill`
+/// throws
 void writeFile(const std::string& path, const std::function<void(hid_t file)>& fill);
 
 }  // namespace snapwing::common::hdf5
