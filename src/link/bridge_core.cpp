@@ -15,6 +15,9 @@ constexpr double BLIND_ARMING = 0.2;  ///< [s] after which a controller that can
 std::int64_t micros(double seconds) { return std::llround(seconds * 1e6); }
 bool within(double value, double low, double high) { return value >= low && value <= high; }
 
+/// [s] When the sender says that it sent, within what can be true; for statistics and for the heartbeat's silence.
+double sentTime(const Stamp& stamp, double now) { return std::clamp(stamp.time + stamp.held, stamp.time, now); }
+
 void count(Histogram& histogram, double value) {
   std::size_t bin = 0;
   while (bin < HISTOGRAM_EDGES.size() && value >= HISTOGRAM_EDGES[bin]) ++bin;
@@ -60,11 +63,9 @@ BridgeCore::Sender* BridgeCore::findSender(std::int64_t id, double now) {
 
 Refusal BridgeCore::checkStamp(const Stamp& stamp, Kind kind, double now, std::int64_t& detail) {
   if (stamp.session != session_) return Refusal::WRONG_SESSION;
-  const double age = now - stamp.time;
-  detail = micros(age);
-  if (age < -settings_.future_tolerance) return Refusal::FROM_FUTURE;
   // An abort may be late: stopping is always allowed in the session it was meant for.
-  if (kind != Kind::ABORT && !(age <= std::min(settings_.max_age, stamp.expiry))) return Refusal::STALE;
+  const Refusal echo = kind == Kind::ABORT ? Refusal::NONE : checkEcho(stamp, now, detail);
+  if (echo != Refusal::NONE) return echo;
   Sender* sender = findSender(stamp.sender_id, now);
   if (sender == nullptr) return Refusal::TOO_MANY_SENDERS;
   std::int64_t& last = sender->last_number[static_cast<std::size_t>(kind)];
@@ -73,6 +74,21 @@ Refusal BridgeCore::checkStamp(const Stamp& stamp, Kind kind, double now, std::i
   last = stamp.number;
   sender->last_seen = now;
   detail = 0;
+  return Refusal::NONE;
+}
+
+Refusal BridgeCore::checkEcho(const Stamp& stamp, double now, std::int64_t& detail) const {
+  constexpr double ROUNDING = 1.5e-6;  ///< [s] times travel as whole microseconds
+  detail = stamp.status_number;
+  const auto kept = static_cast<std::int64_t>(status_times_.size());
+  if (stamp.status_number < 1 || stamp.status_number > status_.number) return Refusal::UNKNOWN_STATUS;
+  const double age = now - stamp.time;
+  const bool remembered = status_.number - stamp.status_number < kept;
+  const double left = status_times_[static_cast<std::size_t>(stamp.status_number % kept)];
+  if (remembered && !(std::abs(left - stamp.time) <= ROUNDING)) return Refusal::UNKNOWN_STATUS;
+  detail = micros(std::clamp(age, -1e9, 1e9));
+  if (age < -settings_.future_tolerance) return Refusal::FROM_FUTURE;
+  if (!remembered || !(age <= std::min(settings_.max_age, stamp.expiry))) return Refusal::STALE;
   return Refusal::NONE;
 }
 
@@ -126,14 +142,21 @@ Refusal BridgeCore::onHeartbeat(const Heartbeat& heartbeat, double now) {
   if (refusal != Refusal::NONE) return refuse(refusal, detail);
   Sender& sender = *findSender(heartbeat.stamp.sender_id, now);
   if (!heartbeat.arm_switch) sender.switch_off_seen = true;
-  if (heartbeat.reset_fault && !sender.reset_wished && !heartbeat.arm_switch) resetFault(sender);
+  const bool asks = heartbeat.reset_fault && !sender.reset_wished && !heartbeat.arm_switch;
   sender.reset_wished = heartbeat.reset_fault;
+  if (asks) {
+    const Refusal answer = resetFault(sender, now);
+    if (answer != Refusal::NONE) {
+      sender.wished = false;
+      return refuse(answer, 0);
+    }
+  }
 
   const bool wish = heartbeat.arm_switch && heartbeat.deadman;
   const bool begins = wish && !sender.wished;
   sender.wished = wish;
   if (active() && sender.id == operator_id_) {
-    last_heartbeat_ = std::max(last_heartbeat_, heartbeat.stamp.time);
+    last_heartbeat_ = std::max(last_heartbeat_, sentTime(heartbeat.stamp, now));
     if (!wish) disarm();
     return Refusal::NONE;
   }
@@ -147,7 +170,7 @@ Refusal BridgeCore::wishToArm(const Heartbeat& heartbeat, Sender& sender, double
   if (refusal != Refusal::NONE) return refuse(refusal, detail);
   status_.state = BridgeState::ARMED;
   operator_id_ = sender.id;
-  last_heartbeat_ = heartbeat.stamp.time;
+  last_heartbeat_ = sentTime(heartbeat.stamp, now);
   armed_since_ = now;
   controller_was_armed_ = false;
   has_pending_ = false;
@@ -177,14 +200,18 @@ Refusal BridgeCore::checkArming(const Sender& sender, double now, std::int64_t& 
   return Refusal::NONE;
 }
 
-void BridgeCore::resetFault(Sender& sender) {
-  const bool still_armed = status_.controller.readback && status_.controller.armed;
-  if (status_.state != BridgeState::FAULT || status_.fault == Fault::SHUTDOWN || still_armed) return;
+Refusal BridgeCore::resetFault(Sender& sender, double now) {
+  if (status_.state != BridgeState::FAULT || status_.fault == Fault::SHUTDOWN) return Refusal::NONE;
+  const ControllerState& controller = status_.controller;
+  const bool fresh = now - controller.status_time <= settings_.telemetry_timeout;
+  const bool out_of_reach = settings_.pilot_override && fresh && !controller.override_active;
+  if (controller.readback && controller.armed && !out_of_reach) return Refusal::RESET_WHILE_ARMED;
   status_.state = BridgeState::IDLE;
   status_.fault = Fault::NONE;
   status_.fault_detail = 0;
   sender.switch_off_seen = true;
   ++status_.commands_accepted;
+  return Refusal::NONE;
 }
 
 void BridgeCore::disarm() {
@@ -223,6 +250,7 @@ const Channels& BridgeCore::tick(double now) {
   if (active()) advancePulse(now);
   composeChannels(now);
   status_.frame_time = now;
+  status_times_[static_cast<std::size_t>(++status_.number) % status_times_.size()] = now;
   status_.telemetry_age = std::isfinite(status_.controller.status_time) ? now - status_.controller.status_time : -1.0;
   last_tick_ = now;
   schedule(now);
@@ -289,7 +317,7 @@ void BridgeCore::advancePulse(double now) {
   status_.state = BridgeState::PULSE;
   pulse_start_ = now;
   pulse_end_ = now + pending_.duration;
-  noteLatency(age);
+  noteLatency(now - sentTime(pending_.stamp, now));
 }
 
 void BridgeCore::noteLatency(double age) {

@@ -4,11 +4,12 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <lcm/lcm-cpp.hpp>
+#include <algorithm>
 
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
 #include "snapwing/link/lcm_messages.h"
+#include "snapwing_lcm/hello_t.hpp"
 
 namespace snapwing::link {
 namespace {
@@ -31,47 +32,8 @@ void raiseEvent(int descriptor) {
 
 }  // namespace
 
-struct BridgeLcm::Lcm {
-  explicit Lcm(BridgeLcm& owner, const std::string& url) : owner_(owner), in(url), out(url) {
-    if (!in.good() || !out.good()) throw common::Error("LCM cannot start with " + url);
-    in.subscribe(CHANNEL_PULSE, &Lcm::onPulse, this);
-    in.subscribe(CHANNEL_ABORT, &Lcm::onAbort, this);
-    in.subscribe(CHANNEL_HEARTBEAT, &Lcm::onHeartbeat, this);
-  }
-
-  /// Checks the envelope, translates and queues; whatever is not right is counted and forgotten.
-  template <class Wire, class Plain>
-  void take(const lcm::ReceiveBuffer* buffer, const std::string& channel, Inbound::Kind kind, Plain Inbound::*member) {
-    Wire wire;
-    Inbound item;
-    item.kind = kind;
-    const bool good =
-        owner_.sealer_.unwrap(channel, buffer->data, buffer->data_size, wire) && fromLcm(wire, item.*member);
-    const std::size_t keep_free = kind == Inbound::Kind::ABORT ? 0 : KEPT_FOR_ABORT;
-    if (!good || !owner_.inbox_.push(item, keep_free)) {
-      owner_.rejected_.fetch_add(1, std::memory_order_relaxed);
-      return;
-    }
-    raiseEvent(owner_.arrival_);
-  }
-  void onPulse(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    take<snapwing_lcm::pulse_command_t>(buffer, channel, Inbound::Kind::PULSE, &Inbound::pulse);
-  }
-  void onHeartbeat(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    take<snapwing_lcm::heartbeat_t>(buffer, channel, Inbound::Kind::HEARTBEAT, &Inbound::heartbeat);
-  }
-  void onAbort(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    take<snapwing_lcm::abort_t>(buffer, channel, Inbound::Kind::ABORT, &Inbound::abort);
-  }
-
-  BridgeLcm& owner_;
-  lcm::LCM in;   ///< listener's
-  lcm::LCM out;  ///< publisher's: its own, so that a flood of messages cannot hold up the status
-};
-
-BridgeLcm::BridgeLcm(const std::string& url, const Key& key, std::int64_t session, Inbox& inbox, Outbox& outbox)
-    : sealer_(key), session_(session), inbox_(inbox), outbox_(outbox) {
-  lcm_ = std::make_unique<Lcm>(*this, url);
+BridgeLcm::BridgeLcm(const std::string& url, const Sealer& sealer, std::int64_t session, Inbox& inbox, Outbox& outbox)
+    : sealer_(sealer), in_(url), out_(url), session_(session), inbox_(inbox), outbox_(outbox) {
   event_ = makeEvent();
   arrival_ = makeEvent();
   listener_ = std::thread([this] { listen(); });
@@ -89,7 +51,64 @@ BridgeLcm::~BridgeLcm() {
 void BridgeLcm::notify() { raiseEvent(event_); }
 
 void BridgeLcm::listen() {
-  while (!stop_) lcm_->in.handleTimeout(50);
+  while (!stop_) {
+    LcmDatagram datagram;
+    if (!in_.wait(0.05)) continue;
+    while (!stop_ && in_.receive(datagram)) take(datagram);
+  }
+}
+
+/// Checks the envelope, translates and queues; whatever is not right is counted and forgotten.
+void BridgeLcm::take(const LcmDatagram& datagram) {
+  bool good = true;
+  if (datagram.channel == CHANNEL_ABORT) {
+    good = queue<snapwing_lcm::abort_t>(datagram, Inbound::Kind::ABORT, &Inbound::abort);
+  } else if (datagram.channel == CHANNEL_HEARTBEAT) {
+    good = queue<snapwing_lcm::heartbeat_t>(datagram, Inbound::Kind::HEARTBEAT, &Inbound::heartbeat);
+  } else if (datagram.channel == CHANNEL_PULSE) {
+    good = queue<snapwing_lcm::pulse_command_t>(datagram, Inbound::Kind::PULSE, &Inbound::pulse);
+  } else if (datagram.channel == CHANNEL_HELLO) {
+    good = greet(datagram);
+  }
+  if (!good) rejected_.fetch_add(1, std::memory_order_relaxed);
+}
+
+template <class Wire, class Plain>
+bool BridgeLcm::queue(const LcmDatagram& datagram, Inbound::Kind kind, Plain Inbound::*member) {
+  Wire wire;
+  Inbound item;
+  item.kind = kind;
+  const bool good =
+      sealer_.unwrap(std::string(datagram.channel), datagram.data, datagram.size, wire) && fromLcm(wire, item.*member);
+  const std::size_t keep_free = kind == Inbound::Kind::ABORT ? 0 : KEPT_FOR_ABORT;
+  if (!good || !inbox_.push(item, keep_free)) return false;
+  raiseEvent(arrival_);
+  return true;
+}
+
+bool BridgeLcm::greet(const LcmDatagram& datagram) {
+  snapwing_lcm::hello_t hello;
+  const bool good = sealer_.unwrap(CHANNEL_HELLO, datagram.data, datagram.size, hello) &&
+                    hello.version == snapwing_lcm::stamp_t::VERSION && hello.sender_id != 0;
+  if (!good) return false;
+  const std::lock_guard<std::mutex> lock(greetings_mutex_);
+  // The sender's own place, or the one that was silent for longest.
+  auto place = std::find_if(greetings_.begin(), greetings_.end(),
+                            [&hello](const Greeting& greeting) { return greeting.sender == hello.sender_id; });
+  if (place == greetings_.end()) {
+    place = std::min_element(greetings_.begin(), greetings_.end(),
+                             [](const Greeting& a, const Greeting& b) { return a.time < b.time; });
+  }
+  *place = {hello.sender_id, hello.challenge, monotonicSeconds()};
+  return true;
+}
+
+void BridgeLcm::answer(snapwing_lcm::link_status_t& status) {
+  const std::lock_guard<std::mutex> lock(greetings_mutex_);
+  for (std::size_t i = 0; i < greetings_.size(); ++i) {
+    status.answer_sender[i] = greetings_[i].sender;
+    status.answer_challenge[i] = greetings_[i].challenge;
+  }
 }
 
 void BridgeLcm::publish() {
@@ -109,15 +128,18 @@ void BridgeLcm::publishOne(const Outbound& item) {
   Stamp stamp;
   stamp.sender_id = session_;
   stamp.session = session_;
-  stamp.number = ++status_number_;
+  stamp.number = stamp.status_number = item.status.number;
   stamp.time = item.status.frame_time;
   stamp.expiry = STATUS_EXPIRY;
   const auto send = [this](const char* channel, const auto& message) {
     const std::vector<std::uint8_t> bytes = sealer_.wrap(channel, message);
-    if (!bytes.empty()) lcm_->out.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
+    if (!bytes.empty()) out_.publish(channel, bytes.data(), bytes.size());
   };
-  send(CHANNEL_STATUS, toLcm(item.status, stamp, rejected_.load(std::memory_order_relaxed)));
-  if (status_number_ % TELEMETRY_EVERY != 0) return;
+  const std::int64_t unread = in_.fragments() + in_.malformed();
+  snapwing_lcm::link_status_t status = toLcm(item.status, stamp, rejected_.load(std::memory_order_relaxed) + unread);
+  answer(status);
+  send(CHANNEL_STATUS, status);
+  if (item.status.number % TELEMETRY_EVERY != 0) return;
   stamp.number = ++telemetry_number_;
   send(CHANNEL_TELEMETRY, toLcm(item.telemetry, stamp, item.status.frame_time));
 }

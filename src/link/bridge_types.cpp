@@ -120,6 +120,10 @@ std::string describe(Refusal refusal, std::int64_t detail) {
       return "arm switch must be off once before it counts";
     case Refusal::PILOT_NOT_READY:
       return "the pilot has not armed or does not hold the override switch";
+    case Refusal::UNKNOWN_STATUS:
+      return "command answers status " + std::to_string(detail) + ", which this bridge has not sent";
+    case Refusal::RESET_WHILE_ARMED:
+      return "no reset while the flight controller is armed (with override: let go of the override switch first)";
   }
   return "refusal " + std::to_string(static_cast<int>(refusal));
 }

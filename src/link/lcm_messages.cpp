@@ -25,7 +25,9 @@ bool fromLcm(const snapwing_lcm::stamp_t& in, Stamp& out) {
   out.sender_id = in.sender_id;
   out.session = in.session;
   out.number = in.number;
-  out.time = MICRO * static_cast<double>(in.bridge_utime);
+  out.time = MICRO * static_cast<double>(in.status_utime);
+  out.status_number = in.status_number;
+  out.held = MICRO * in.held_us;
   out.expiry = MICRO * in.expiry_us;
   return true;
 }
@@ -37,7 +39,9 @@ snapwing_lcm::stamp_t toLcm(const Stamp& in) {
   out.sender_id = in.sender_id;
   out.session = in.session;
   out.number = in.number;
-  out.bridge_utime = static_cast<std::int64_t>(std::floor(in.time / MICRO));
+  out.status_number = in.status_number;
+  out.status_utime = std::llround(in.time / MICRO);
+  out.held_us = static_cast<std::int32_t>(std::lround(std::clamp(in.held, -2e3, 2e3) / MICRO));
   out.expiry_us = static_cast<std::int32_t>(std::lround(in.expiry / MICRO));
   return out;
 }
@@ -100,7 +104,8 @@ bool fromLcm(const snapwing_lcm::link_status_t& in, BridgeStatus& out) {
   out.channels.count = in.channel_count;
   for (std::size_t i = 0; i < out.channels.us.size(); ++i)
     out.channels.us[i] = static_cast<std::uint16_t>(in.channels[i]);
-  out.frame_time = MICRO * static_cast<double>(in.stamp.bridge_utime);
+  out.number = in.stamp.number;
+  out.frame_time = MICRO * static_cast<double>(in.stamp.status_utime);
   out.frames_sent = in.frames_sent;
   out.frames_dropped = in.frames_dropped;
   out.commands_accepted = in.commands_accepted;

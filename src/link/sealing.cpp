@@ -5,7 +5,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 
 #include "snapwing/common/error.h"
@@ -13,7 +15,7 @@
 namespace snapwing::link {
 namespace {
 
-constexpr char LABEL[] = "snapwing link 1";
+constexpr char LABEL[] = "snapwing link 2";
 constexpr std::size_t DIGITS = 64;
 
 static_assert(crypto_auth_KEYBYTES == std::tuple_size<Key>::value, "key size of crypto_auth");
@@ -21,17 +23,6 @@ static_assert(crypto_auth_BYTES == sizeof(snapwing_lcm::sealed_t::mac), "code si
 
 void startSodium() {
   if (sodium_init() < 0) throw common::Error("libsodium cannot start");
-}
-
-/// Code over label, channel (both with their terminating zero) and payload.
-void authenticate(const Key& key, const std::string& channel, const std::uint8_t* payload, std::size_t size,
-                  std::uint8_t* mac) {
-  crypto_auth_hmacsha512256_state state;
-  crypto_auth_hmacsha512256_init(&state, key.data(), key.size());
-  crypto_auth_hmacsha512256_update(&state, reinterpret_cast<const unsigned char*>(LABEL), sizeof LABEL);
-  crypto_auth_hmacsha512256_update(&state, reinterpret_cast<const unsigned char*>(channel.c_str()), channel.size() + 1);
-  crypto_auth_hmacsha512256_update(&state, payload, size);
-  crypto_auth_hmacsha512256_final(&state, mac);
 }
 
 }  // namespace
@@ -79,24 +70,112 @@ Key loadKeyFile(const std::string& path) {
   return key;
 }
 
+std::string defaultKeyFile(const std::string& vehicle_id) {
+  const char* home = std::getenv("HOME");
+  std::string name = vehicle_id;
+  std::replace(name.begin(), name.end(), '/', '_');
+  return std::string(home != nullptr ? home : "/root") + "/.ros/snapwing_link_" + name + ".key";
+}
+
+std::array<std::uint8_t, 32> authenticationCode(const Key& key, std::string_view label,
+                                                std::initializer_list<std::string_view> parts) {
+  crypto_auth_hmacsha512256_state state;
+  crypto_auth_hmacsha512256_init(&state, key.data(), key.size());
+  const auto add = [&state](const void* bytes, std::size_t size) {
+    crypto_auth_hmacsha512256_update(&state, static_cast<const unsigned char*>(bytes), size);
+  };
+  const auto addPart = [&add](std::string_view part) {
+    std::array<std::uint8_t, 8> length{};  // little endian
+    for (std::size_t i = 0; i < length.size(); ++i) length[i] = static_cast<std::uint8_t>(part.size() >> 8 * i);
+    add(length.data(), length.size());
+    add(part.data(), part.size());
+  };
+  addPart(label);
+  for (const std::string_view part : parts) addPart(part);
+  std::array<std::uint8_t, 32> code{};
+  crypto_auth_hmacsha512256_final(&state, code.data());
+  return code;
+}
+
+bool sameCode(const std::array<std::uint8_t, 32>& a, const std::array<std::uint8_t, 32>& b) {
+  return sodium_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+Sealer::Sealer(const Key& key, const std::string& vehicle_id) : key_(key), vehicle_id_(vehicle_id) {
+  startSodium();
+  const bool good = std::all_of(vehicle_id.begin(), vehicle_id.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::strchr("_-./", c) != nullptr;
+  });
+  if (good && !vehicle_id.empty() && vehicle_id.size() <= sizeof snapwing_lcm::sealed_t::vehicle) return;
+  throw common::SettingError("radio link", "vehicle_id", vehicle_id,
+                             "1 to 32 characters: letters, digits, '_', '-', '.', '/'");
+}
+
+std::array<std::uint8_t, 32> Sealer::code(const std::string& channel, const snapwing_lcm::sealed_t& sealed) const {
+  const auto text = [](const std::uint8_t* bytes, std::size_t size) {
+    return std::string_view(reinterpret_cast<const char*>(bytes), size);
+  };
+  return authenticationCode(key_, LABEL,
+                            {text(sealed.vehicle, sizeof sealed.vehicle), channel,
+                             text(sealed.payload, static_cast<std::size_t>(sealed.payload_size))});
+}
+
 bool Sealer::seal(const std::string& channel, const std::uint8_t* payload, std::size_t size,
                   snapwing_lcm::sealed_t& out) const {
   if (size > sizeof out.payload) return false;
   out.version = snapwing_lcm::sealed_t::VERSION;
   out.payload_size = static_cast<int>(size);
+  std::memset(out.vehicle, 0, sizeof out.vehicle);
+  std::memcpy(out.vehicle, vehicle_id_.data(), vehicle_id_.size());
   std::memset(out.payload, 0, sizeof out.payload);
   std::memcpy(out.payload, payload, size);
-  authenticate(key_, channel, payload, size, out.mac);
+  const auto mac = code(channel, out);
+  std::copy(mac.begin(), mac.end(), out.mac);
   return true;
 }
 
 bool Sealer::verify(const std::string& channel, const snapwing_lcm::sealed_t& sealed) const {
   if (sealed.version != snapwing_lcm::sealed_t::VERSION || sealed.payload_size < 0) return false;
-  const auto size = static_cast<std::size_t>(sealed.payload_size);
-  if (size > sizeof sealed.payload) return false;
-  std::array<std::uint8_t, sizeof sealed.mac> mac{};
-  authenticate(key_, channel, sealed.payload, size, mac.data());
-  return sodium_memcmp(mac.data(), sealed.mac, mac.size()) == 0;
+  if (static_cast<std::size_t>(sealed.payload_size) > sizeof sealed.payload) return false;
+  std::array<std::uint8_t, sizeof sealed.vehicle> own{};
+  std::copy(vehicle_id_.begin(), vehicle_id_.end(), own.begin());
+  if (std::memcmp(own.data(), sealed.vehicle, own.size()) != 0) return false;
+  std::array<std::uint8_t, sizeof sealed.mac> theirs{};
+  std::copy(std::begin(sealed.mac), std::end(sealed.mac), theirs.begin());
+  return sameCode(code(channel, sealed), theirs);
+}
+
+Envelope Sealer::open(const std::string& channel, const void* bytes, std::size_t size,
+                      snapwing_lcm::sealed_t& sealed) const {
+  const bool decoded = size <= 4096 && sealed.decode(bytes, 0, static_cast<int>(size)) == static_cast<int>(size);
+  if (decoded && verify(channel, sealed)) return Envelope::GOOD;
+  const int version = claimedVersion(bytes, size);
+  if (version != 0 && version != snapwing_lcm::sealed_t::VERSION) return Envelope::OTHER_VERSION;
+  const std::string theirs = decoded ? vehicleOf(sealed) : "";
+  return !theirs.empty() && theirs != vehicle_id_ ? Envelope::OTHER_VEHICLE : Envelope::BAD;
+}
+
+int Sealer::claimedVersion(const void* bytes, std::size_t size) {
+  constexpr std::size_t FINGERPRINT = 8, LEAST = 256;
+  constexpr int SENSIBLE = 1000;
+  if (size < LEAST) return 0;
+  int version = 0;
+  for (std::size_t i = FINGERPRINT; i < FINGERPRINT + 4; ++i) {
+    const int byte = static_cast<const std::uint8_t*>(bytes)[i];
+    if (version > SENSIBLE) return 0;
+    version = version << 8 | byte;
+  }
+  return version >= 1 && version <= SENSIBLE ? version : 0;
+}
+
+std::string vehicleOf(const snapwing_lcm::sealed_t& sealed) {
+  std::string name;
+  for (const std::uint8_t byte : sealed.vehicle) {
+    if (byte == 0) break;
+    name += byte > ' ' && byte < 127 ? static_cast<char>(byte) : '?';
+  }
+  return name;
 }
 
 }  // namespace snapwing::link

@@ -20,7 +20,17 @@ class Core : public ::testing::Test {
     controller_.known = true;
   }
 
-  Stamp stamp(std::int64_t sender = SENDER) { return {sender, SESSION, ++number_, now_, 0.1}; }
+  /// As a sender makes it that has heard the newest status; before the first there is nothing to answer.
+  Stamp stamp(std::int64_t sender = SENDER) {
+    if (core_.status().number == 0) tick();
+    return {sender,
+            SESSION,
+            ++number_,
+            core_.status().frame_time,
+            0.1,
+            core_.status().number,
+            now_ - core_.status().frame_time};
+  }
   PulseCommand pulse(std::int64_t id, double throttle, double duration) {
     PulseCommand command;
     command.stamp = stamp();
@@ -219,28 +229,68 @@ TEST_F(Core, RefusesBadPulses) {
 
 TEST_F(Core, StampsOfOldRepeatedForeignAndFutureMessages) {
   arm();
-  PulseCommand command = pulse(1, 0.5, 0.1);
-  command.stamp.time = now_ - 0.101;
+  /// As made by a sender that has heard nothing since.
+  const PulseCommand held_back = pulse(1, 0.5, 0.1);
+  run(0.101, true);
+  PulseCommand command = held_back;
   EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE);
+  EXPECT_NE(describe(Refusal::STALE, core_.status().last_refusal_detail).find("old"), std::string::npos);
   command = pulse(1, 0.5, 0.1);
-  command.stamp.time = now_ - 0.05;
+  run(0.05, true);
+  command.stamp.number = ++number_;
   command.stamp.expiry = 0.04;
   EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE) << "the sender's own expiry";
   command = pulse(1, 0.5, 0.1);
-  command.stamp.time = now_ - 0.2;
+  run(0.2, true);
+  command.stamp.number = ++number_;
   command.stamp.expiry = 10.0;
   EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE) << "no expiry extends the bridge's limit";
-  command = pulse(1, 0.5, 0.1);
-  command.stamp.time = now_ + 0.05;
-  EXPECT_EQ(core_.onPulse(command, now_), Refusal::FROM_FUTURE);
-  command.stamp.time = std::nan("");
-  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE);
   command = pulse(1, 0.5, 0.1);
   command.stamp.session = SESSION + 1;
   EXPECT_EQ(core_.onPulse(command, now_), Refusal::WRONG_SESSION);
   command = pulse(1, 0.5, 0.1);
   EXPECT_EQ(core_.onPulse(command, now_), Refusal::NONE);
   EXPECT_EQ(core_.onPulse(command, now_), Refusal::REPEATED_NUMBER);
+}
+
+TEST_F(Core, CommandsMustAnswerAStatusThatWasSent) {
+  arm();
+  const PulseCommand old = pulse(1, 0.5, 0.1);
+  run(3.0, true);
+  PulseCommand command = pulse(1, 0.5, 0.1);
+  command.stamp.status_number += 1;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::UNKNOWN_STATUS) << "not sent yet";
+  for (const double shift : {-1.0, -0.02, -2e-6, 2e-6, 0.02, 1.0, std::nan("")}) {
+    command = pulse(1, 0.5, 0.1);
+    command.stamp.time += shift;
+    EXPECT_EQ(core_.onPulse(command, now_), Refusal::UNKNOWN_STATUS) << shift;
+  }
+  command = pulse(1, 0.5, 0.1);
+  command.stamp.status_number = 0;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::UNKNOWN_STATUS);
+  command = old;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE) << "a status so old that it is forgotten";
+  command.stamp.time = now_;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::STALE) << "and its time made young";
+  command.stamp.time = now_ + 0.05;
+  EXPECT_EQ(core_.onPulse(command, now_), Refusal::FROM_FUTURE);
+  EXPECT_EQ(core_.onPulse(pulse(1, 0.5, 0.1), now_), Refusal::NONE);
+}
+
+/// A sender's clock that runs wild changes neither a command's age nor the silence after which the bridge disarms.
+TEST_F(Core, SendersClockCannotMakeACommandYounger) {
+  arm();
+  for (const double held : {-1e9, -1.0, 1.0, 1e9, std::numeric_limits<double>::infinity()}) {
+    Heartbeat beat{stamp(), true, true, false};
+    beat.stamp.held = held;
+    EXPECT_EQ(core_.onHeartbeat(beat, now_), Refusal::NONE);
+    tick();
+    EXPECT_EQ(core_.status().state, BridgeState::ARMED) << held;
+  }
+  const double silent_since = now_;
+  while (core_.status().state == BridgeState::ARMED && now_ < silent_since + 1.0) tick();
+  EXPECT_EQ(core_.status().fault, Fault::HEARTBEAT_LOST);
+  EXPECT_LE(now_ - silent_since, 0.2 + 0.02 + 1e-9);
 }
 
 TEST_F(Core, LatestCommandBeforeTheFrameWins) {
@@ -443,9 +493,12 @@ TEST(BridgeCoreRamp, RisesAtTheGivenRateAndFallsAtOnce) {
   controller.connected = controller.known = true;
   double now = 0;
   std::int64_t number = 0;
+  const auto stamp = [&](std::int64_t count) {
+    return Stamp{SENDER, SESSION, count, core.status().frame_time, 0.1, core.status().number, 0.0};
+  };
   const auto step = [&](bool arm) {
     now = core.nextFrameTime();
-    core.onHeartbeat({{SENDER, SESSION, ++number, now, 0.1}, arm, true, false}, now);
+    core.onHeartbeat({stamp(++number), arm, true, false}, now);
     controller.status_time = now;
     controller.armed = core.status().channels.us[AUX1] > 1700;
     core.onController(controller);
@@ -455,7 +508,7 @@ TEST(BridgeCoreRamp, RisesAtTheGivenRateAndFallsAtOnce) {
   for (int i = 0; i < 5; ++i) step(false);
   for (int i = 0; i < 5; ++i) step(true);
   PulseCommand command;
-  command.stamp = {SENDER, SESSION, 1, now, 0.1};
+  command.stamp = stamp(1);
   command.pulse_id = 1;
   command.throttle = 1.0;
   command.duration = 0.3;

@@ -70,13 +70,18 @@ void Simulation::restartBridge() {
   pulse_id = 0;
 }
 
+Stamp Simulation::stamp() {
+  const BridgeStatus& heard = bridge->core().status();
+  return {1, session_, ++number_, heard.frame_time, 0.1, heard.number, now - heard.frame_time};
+}
+
 void Simulation::step() {
   now += 0.001;
   if (operator_runs && now >= next_beat_) {
     next_beat_ = now + 0.02;
     Inbound beat;
     beat.kind = Inbound::Kind::HEARTBEAT;
-    beat.heartbeat = {{1, session_, ++number_, now, 0.1}, arm_switch, deadman, reset};
+    beat.heartbeat = {stamp(), arm_switch, deadman, reset};
     if (bridge_runs) bridge->inbox().push(beat);
   }
   if (bridge_runs) {
@@ -128,7 +133,7 @@ void Simulation::arm() {
 void Simulation::command(double throttle, double duration, std::optional<double> pitch) {
   Inbound item;
   item.kind = Inbound::Kind::PULSE;
-  item.pulse.stamp = {1, session_, ++number_, now, 0.1};
+  item.pulse.stamp = stamp();
   item.pulse.pulse_id = ++pulse_id;
   item.pulse.throttle = throttle;
   item.pulse.duration = duration;

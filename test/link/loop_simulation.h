@@ -71,6 +71,7 @@ class Simulation {
 
  private:
   void step();
+  Stamp stamp();
   BridgeSettings bridge_settings_;
   std::set<std::string> allowed_;
   std::int64_t session_ = 1000, number_ = 0;

@@ -11,6 +11,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/link/lcm_messages.h"
 #include "snapwing/link/spsc_ring.h"
+#include "snapwing_lcm/hello_t.hpp"
 
 namespace snapwing::link {
 namespace {
@@ -68,7 +69,7 @@ Key someKey(std::uint8_t seed) {
 
 snapwing_lcm::pulse_command_t somePulse() {
   PulseCommand command;
-  command.stamp = {11, 22, 33, 44.5, 0.1};
+  command.stamp = {11, 22, 33, 44.5, 0.1, 55, 0.01};
   command.pulse_id = 5;
   command.throttle = 0.5;
   command.duration = 0.25;
@@ -91,6 +92,8 @@ TEST(Sealing, RoundTrip) {
   EXPECT_EQ(read.stamp.number, 33);
   EXPECT_NEAR(read.stamp.time, 44.5, 1e-6);
   EXPECT_NEAR(read.stamp.expiry, 0.1, 1e-6);
+  EXPECT_EQ(read.stamp.status_number, 55);
+  EXPECT_NEAR(read.stamp.held, 0.01, 1e-6);
   EXPECT_EQ(read.pulse_id, 5);
   EXPECT_EQ(read.throttle, 0.5);
   EXPECT_EQ(read.duration, 0.25);
@@ -104,6 +107,7 @@ TEST(Sealing, ForgedMovedAndForeignMessagesAreRefused) {
   snapwing_lcm::pulse_command_t pulse;
   snapwing_lcm::heartbeat_t heartbeat;
   EXPECT_FALSE(Sealer(someKey(2)).unwrap(CHANNEL_PULSE, bytes.data(), bytes.size(), pulse)) << "another key";
+  EXPECT_FALSE(Sealer(someKey(1), "b").unwrap(CHANNEL_PULSE, bytes.data(), bytes.size(), pulse)) << "another vehicle";
   EXPECT_FALSE(sealer.unwrap(CHANNEL_ABORT, bytes.data(), bytes.size(), pulse)) << "another channel";
   EXPECT_FALSE(sealer.unwrap(CHANNEL_PULSE, bytes.data(), bytes.size(), heartbeat)) << "another type";
   EXPECT_FALSE(sealer.unwrap(CHANNEL_PULSE, bytes.data(), bytes.size() - 1, pulse)) << "cut";
@@ -115,8 +119,8 @@ TEST(Sealing, ForgedMovedAndForeignMessagesAreRefused) {
 
 TEST(Sealing, EveryFlippedBitOfTheUsedPartIsNoticed) {
   const Sealer sealer(someKey(3));
-  const auto good = sealer.wrap(CHANNEL_HEARTBEAT, toLcm(Heartbeat{{1, 2, 3, 4.0, 0.1}, true, true, false}));
-  const std::size_t used = 8 + 4 + 4 + static_cast<std::size_t>(snapwing_lcm::heartbeat_t().getEncodedSize());
+  const auto good = sealer.wrap(CHANNEL_HEARTBEAT, toLcm(Heartbeat{{1, 2, 3, 4.0, 0.1, 1, 0.0}, true, true, false}));
+  const std::size_t used = 8 + 4 + 4 + 32 + static_cast<std::size_t>(snapwing_lcm::heartbeat_t().getEncodedSize());
   snapwing_lcm::heartbeat_t out;
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     if (bit / 8 >= used && bit / 8 < good.size() - 32) continue;  // padding carries nothing
@@ -141,7 +145,7 @@ TEST(Sealing, RandomBytesNeverGetIn) {
 
 TEST(Messages, AllFitTheEnvelopeAndOtherVersionsAreRefused) {
   const Sealer sealer(someKey(5));
-  const Stamp stamp{1, 2, 3, 4.0, 0.2};
+  const Stamp stamp{1, 2, 3, 4.0, 0.2, 1, 0.0};
   EXPECT_FALSE(sealer.wrap(CHANNEL_STATUS, toLcm(BridgeStatus{}, stamp, 0)).empty());
   EXPECT_FALSE(sealer.wrap(CHANNEL_TELEMETRY, toLcm(ControllerTelemetry{}, stamp, 4.0)).empty());
   EXPECT_FALSE(sealer.wrap(CHANNEL_ABORT, toLcm(Abort{stamp, 1})).empty());
@@ -155,6 +159,48 @@ TEST(Messages, AllFitTheEnvelopeAndOtherVersionsAreRefused) {
   EXPECT_FALSE(fromLcm(pulse, out));
 }
 
+/// Programs of two releases name each other: any change of a message counts the envelope's version up. If this fails,
+/// a message has changed: count VERSION up in lcm/sealed_t.lcm, unless that release has not gone out yet, and write
+/// the new sum here.
+TEST(Messages, AChangedMessageIsAnotherVersion) {
+  constexpr std::uint64_t KNOWN = 7750573264302159222U;
+  const std::int64_t sum = snapwing_lcm::pulse_command_t::getHash() ^ snapwing_lcm::heartbeat_t::getHash() ^
+                           snapwing_lcm::abort_t::getHash() ^ snapwing_lcm::link_status_t::getHash() ^
+                           snapwing_lcm::telemetry_t::getHash() ^ snapwing_lcm::hello_t::getHash() ^
+                           snapwing_lcm::sealed_t::getHash();
+  EXPECT_EQ(snapwing_lcm::sealed_t::VERSION, 2);
+  EXPECT_EQ(static_cast<std::uint64_t>(sum), KNOWN);
+}
+
+TEST(Messages, EnvelopesOfOtherReleasesAndVehiclesAreNamed) {
+  const Sealer sealer(someKey(1), "a");
+  auto bytes = sealer.wrap(CHANNEL_PULSE, somePulse());
+  snapwing_lcm::sealed_t sealed;
+  const auto opened = [&](const Sealer& by) { return by.open(CHANNEL_PULSE, bytes.data(), bytes.size(), sealed); };
+  EXPECT_EQ(opened(sealer), Envelope::GOOD);
+  EXPECT_EQ(opened(Sealer(someKey(2), "b")), Envelope::OTHER_VEHICLE);
+  EXPECT_EQ(vehicleOf(sealed), "a");
+  EXPECT_EQ(opened(Sealer(someKey(2), "a")), Envelope::BAD);
+  // The envelope of the first release: fingerprint, 1, size, 512 bytes, code.
+  bytes.assign(8 + 4 + 4 + 512 + 32, 0);
+  bytes[0] = 0x77;
+  bytes[11] = 1;
+  EXPECT_EQ(opened(sealer), Envelope::OTHER_VERSION);
+  EXPECT_EQ(Sealer::claimedVersion(bytes.data(), bytes.size()), 1);
+  bytes[8] = 0x10;
+  EXPECT_EQ(opened(sealer), Envelope::BAD) << "no release has that number";
+  bytes.resize(40);
+  EXPECT_EQ(opened(sealer), Envelope::BAD) << "too short";
+}
+
+TEST(Sealing, VehicleIdsAreShortAndPlain) {
+  for (const std::string& id : {std::string(), std::string(33, 'x'), std::string("a b"), std::string("\xc3\xa4")})
+    EXPECT_THROW(Sealer(someKey(1), id), common::SettingError) << id;
+  EXPECT_NO_THROW(Sealer(someKey(1), std::string(32, 'x')));
+  EXPECT_NE(defaultKeyFile("lab/a").find("/.ros/snapwing_link_lab_a.key"), std::string::npos);
+  EXPECT_NE(defaultKeyFile("a"), defaultKeyFile("b"));
+}
+
 TEST(Messages, StatusRoundTrip) {
   BridgeStatus status;
   status.state = BridgeState::FAULT;
@@ -164,7 +210,7 @@ TEST(Messages, StatusRoundTrip) {
   status.period_histogram = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
   status.controller.arming_flags = 0x82000204;
   BridgeStatus read;
-  ASSERT_TRUE(fromLcm(toLcm(status, {9, 9, 1, status.frame_time, 0.2}, 4), read));
+  ASSERT_TRUE(fromLcm(toLcm(status, {9, 9, 1, status.frame_time, 0.2, 1, 0.0}, 4), read));
   EXPECT_EQ(read.state, status.state);
   EXPECT_EQ(read.fault, status.fault);
   ASSERT_EQ(read.channels.count, FRAME_CHANNELS);

@@ -14,7 +14,7 @@ import yaml
 ROOT = rospkg.RosPack().get_path("snapwing")
 NODES = ("design_node", "reduced_model_node", "transition_planner_node", "wing_state_node", "simulated_vehicle_node",
          "flight_link_node")
-GIVEN_BY_LAUNCH = {"flight_link_node": {"lcm_url": "memq://", "key_file": "no_such_key"}}
+GIVEN_BY_LAUNCH = {"flight_link_node": {"lcm_url": "udpm://239.255.76.67:7999?ttl=0", "key_file": "no_such_key"}}
 
 
 def shipped(node):

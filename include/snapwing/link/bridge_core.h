@@ -14,7 +14,12 @@
 ///   FAULT  | reset with arm switch off, controller disarmed    | IDLE  | throttle low, AUX1 low
 ///
 /// An abort or a shutdown latches FAULT from every state. With pilot_override AUX1 stays low in every state, ARMED
-/// needs a controller that the pilot has armed with the override switch held, and letting go of either latches FAULT.
+/// needs a controller that the pilot has armed with the override switch held, and letting go of either latches FAULT;
+/// a reset is taken while the pilot is armed too, but only as long as he does not hold the override switch: then no
+/// frame of ours reaches a motor, and the next arming needs his switch and the operator's anew.
+///
+/// A command names the newest status that its sender had heard. Its age runs from the moment at which that status left,
+/// by this bridge's clock; a status that was not sent, or not at that time, is a refusal.
 
 #include <array>
 
@@ -71,11 +76,12 @@ class BridgeCore {
   };
 
   Refusal checkStamp(const Stamp& stamp, Kind kind, double now, std::int64_t& detail);
+  Refusal checkEcho(const Stamp& stamp, double now, std::int64_t& detail) const;
   Sender* findSender(std::int64_t id, double now);
   Refusal checkPulse(const PulseCommand& command, double now, std::int64_t& detail) const;
   Refusal checkArming(const Sender& sender, double now, std::int64_t& detail) const;
   Refusal wishToArm(const Heartbeat& heartbeat, Sender& sender, double now);
-  void resetFault(Sender& sender);
+  Refusal resetFault(Sender& sender, double now);
   Refusal refuse(Refusal refusal, std::int64_t detail);
   void latch(Fault fault, std::int64_t detail);
   void disarm();
@@ -92,6 +98,7 @@ class BridgeCore {
   std::int64_t session_;
   BridgeStatus status_;
   std::array<Sender, 8> senders_{};
+  std::array<double, 64> status_times_{};  ///< [s] when the last statuses left, by number modulo size
 
   double next_frame_;                                          ///< [s]
   double last_tick_;                                           ///< [s] NaN before the first

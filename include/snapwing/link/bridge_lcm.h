@@ -1,20 +1,23 @@
 #pragma once
 /// The radio bridge's LCM side: one thread checks what arrives and queues it for the loop, another publishes status.
 
+#include <array>
 #include <atomic>
-#include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
 #include "snapwing/link/bridge_loop.h"
+#include "snapwing/link/lcm_socket.h"
 #include "snapwing/link/sealing.h"
+#include "snapwing_lcm/link_status_t.hpp"
 
 namespace snapwing::link {
 
 class BridgeLcm {
  public:
-  /// @throws common::Error if LCM cannot be started
-  BridgeLcm(const std::string& url, const Key& key, std::int64_t session, Inbox& inbox, Outbox& outbox);
+  /// @throws common::Error if the network refuses
+  BridgeLcm(const std::string& url, const Sealer& sealer, std::int64_t session, Inbox& inbox, Outbox& outbox);
   ~BridgeLcm();
   BridgeLcm(const BridgeLcm&) = delete;
   BridgeLcm& operator=(const BridgeLcm&) = delete;
@@ -25,19 +28,32 @@ class BridgeLcm {
   int arrivals() const { return arrival_; }
 
  private:
-  struct Lcm;
+  /// Who said hello last, and with which challenge.
+  struct Greeting {
+    std::int64_t sender = 0, challenge = 0;
+    double time = -1e9;  ///< [s]
+  };
+
   void listen();
   void publish();
   void publishOne(const Outbound& item);
+  void take(const LcmDatagram& datagram);
+  template <class Wire, class Plain>
+  bool queue(const LcmDatagram& datagram, Inbound::Kind kind, Plain Inbound::*member);
+  bool greet(const LcmDatagram& datagram);
+  void answer(snapwing_lcm::link_status_t& status);
 
-  std::unique_ptr<Lcm> lcm_;
   Sealer sealer_;
+  LcmSocket in_;   ///< listener's
+  LcmSocket out_;  ///< publisher's: its own, so that a flood of messages cannot hold up the status
   std::int64_t session_;
   Inbox& inbox_;
   Outbox& outbox_;
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> rejected_{0};
-  std::int64_t status_number_ = 0, telemetry_number_ = 0;
+  std::mutex greetings_mutex_;
+  std::array<Greeting, 8> greetings_{};
+  std::int64_t telemetry_number_ = 0;
   int event_ = -1, arrival_ = -1;
   std::thread listener_, publisher_;
 };

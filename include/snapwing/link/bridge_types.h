@@ -16,8 +16,10 @@ struct Stamp {
   std::int64_t sender_id = 0;
   std::int64_t session = 0;
   std::int64_t number = 0;
-  double time = 0;    ///< [s] sent, on the bridge's clock
-  double expiry = 0;  ///< [s] good for this long
+  double time = 0;                 ///< [s] in the newest status that the sender had heard, on the bridge's clock
+  double expiry = 0;               ///< [s] good for this long after it
+  std::int64_t status_number = 0;  ///< that status; `time` must be its own
+  double held = 0;                 ///< [s] from then to sending, by the sender's clock: for statistics only
 };
 
 struct PulseCommand {
@@ -82,6 +84,8 @@ enum class Refusal : std::int32_t {
   CONTROLLER_FAILSAFE = 16,
   SWITCH_NOT_CYCLED = 17,  ///< the arm switch has not been off yet
   PILOT_NOT_READY = 18,    ///< override: the pilot has not armed or does not hold the override switch
+  UNKNOWN_STATUS = 19,     ///< names a status that this bridge has not sent; detail: its number
+  RESET_WHILE_ARMED = 20,  ///< the controller is armed; with override: and the pilot still holds the switch
 };
 /// Plain sentences for logs and messages, e.g. "command is 130 ms old, limit 100 ms".
 std::string describe(Fault fault, std::int64_t detail);
@@ -135,6 +139,7 @@ constexpr std::array<double, HISTOGRAM_BINS - 1> HISTOGRAM_EDGES = {1e-4, 2e-4, 
                                                                     5e-3, 1e-2, 2e-2, 5e-2};
 
 struct BridgeStatus {
+  std::int64_t number = 0;  ///< counts the frames up
   BridgeState state = BridgeState::IDLE;
   Fault fault = Fault::NONE;
   std::int64_t fault_detail = 0;

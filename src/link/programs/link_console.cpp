@@ -12,6 +12,7 @@
 #include "snapwing/link/clock.h"
 #include "snapwing/link/operator_link.h"
 #include "snapwing/link/realtime.h"
+#include "snapwing_lcm/abort_t.hpp"
 
 namespace {
 
@@ -59,6 +60,7 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
   if (verb == "disarm") o.arm = false;
   if (verb == "reset") {
     o.arm = false;
+    o.deadman = true;  // an abort has let it go
     o.reset_until = link::monotonicSeconds() + 0.1;
   }
   if (verb == "deadman") {
@@ -66,7 +68,10 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
     o.deadman = verb == "on";
   }
   if (verb == "quit") o.quit = true;
-  if (verb == "abort") link.sendAbort(1);
+  if (verb == "abort") {  // repeated until the bridge shows the fault; switch and deadman stay off afterwards
+    o.arm = o.deadman = false;
+    if (!link.abort(snapwing_lcm::abort_t::OPERATOR)) std::printf("{\"note\": \"no radio bridge was ever heard\"}\n");
+  }
   if (verb == "pulse") {
     long long id = 0;
     double throttle = 0, duration = 0, pitch = 0;
@@ -94,9 +99,9 @@ void readLines(std::string& rest, link::OperatorLink& link, Operator& o) {
   }
 }
 
-int run(const std::string& url, const std::string& key_file, double heartbeat_period) {
+int run(const std::string& url, const link::Sealer& sealer, double heartbeat_period) {
   link::takeRealtimePriority(link::OPERATOR_PRIORITY);
-  link::OperatorLink link(url, link::loadKeyFile(key_file));
+  link::OperatorLink link(url, sealer);
   Operator o;
   std::string rest;
   double next_heartbeat = 0;
@@ -122,14 +127,16 @@ int run(const std::string& url, const std::string& key_file, double heartbeat_pe
 
 int main(int argc, char** argv) {
   CLI::App app{"Operator's console of the radio link"};
-  std::string url = link::DEFAULT_LCM_URL, key_file;
+  std::string url = link::DEFAULT_LCM_URL, key_file, vehicle_id = link::DEFAULT_VEHICLE_ID;
   double period = 0.02;
   app.add_option("--lcm-url", url, "LCM network")->capture_default_str();
-  app.add_option("--key-file", key_file, "key shared with the bridge")->required();
+  app.add_option("--key-file", key_file, "key shared with the bridge; default ~/.ros/snapwing_link_ID.key");
+  app.add_option("--vehicle", vehicle_id, "id of the vehicle, as given to the bridge")->capture_default_str();
   app.add_option("--heartbeat-period", period, "[s]")->check(CLI::Range(0.005, 1.0))->capture_default_str();
   try {
     app.parse(argc, argv);
-    return run(url, key_file, period);
+    if (key_file.empty()) key_file = link::defaultKeyFile(vehicle_id);
+    return run(url, link::Sealer(link::loadKeyFile(key_file), vehicle_id), period);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

@@ -41,6 +41,7 @@ struct Options {
   std::string lcm_url = link::DEFAULT_LCM_URL;
   std::string protocol = "msp2";
   std::string key_file, create_key;
+  std::string vehicle_id = link::DEFAULT_VEHICLE_ID;
   std::vector<std::string> allow;
   int realtime_priority = 50;
   bool check = false;
@@ -84,7 +85,10 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--protocol", o.protocol, "msp1, msp2, sbus or crsf")->capture_default_str();
   app.add_option("--lcm-url", o.lcm_url, "LCM network; keep ttl=0 unless the operator sits on another machine")
       ->capture_default_str();
-  app.add_option("--key-file", o.key_file, "key shared with the operator's node, permissions 0600");
+  app.add_option("--key-file", o.key_file,
+                 "key shared with the operator's node, permissions 0600; default ~/.ros/snapwing_link_ID.key");
+  app.add_option("--vehicle", o.vehicle_id, "id of the vehicle: goes into every message, others' are dropped")
+      ->capture_default_str();
   app.add_option("--create-key", o.create_key, "draw a new key, write it to this file and end");
   app.add_option("--allow", o.allow,
                  "checks of the flight controller that need not pass: " + link::allowableChecks() +
@@ -178,7 +182,8 @@ int start(const Options& o) {
                                "no-readback must be named: " + o.protocol + " cannot be asked");
   }
   if (o.check) return check(o, protocol, allowed);
-  const link::Key key = link::loadKeyFile(o.key_file);
+  const std::string key_file = o.key_file.empty() ? link::defaultKeyFile(o.vehicle_id) : o.key_file;
+  const link::Sealer sealer(link::loadKeyFile(key_file), o.vehicle_id);
   const std::unique_ptr<link::Transport> transport = link::makeTransport(o.fc, link::lineSettings(protocol));
   const std::int64_t session = link::randomId();
   crash_frame = link::BridgeLoop::safeFrame(protocol);
@@ -187,9 +192,9 @@ int start(const Options& o) {
   // LCM's threads inherit a little less than the loop gets afterwards.
   if (o.realtime_priority > 0 && !link::takeRealtimePriority(std::max(1, o.realtime_priority - 10)))
     setpriority(PRIO_PROCESS, 0, -15);
-  link::BridgeLcm lcm(o.lcm_url, key, session, loop.inbox(), loop.outbox());
-  std::fprintf(stderr, "radio_bridge %s: line %s, %s, %s\n", common::version().c_str(), o.fc.c_str(),
-               o.protocol.c_str(), o.lcm_url.c_str());
+  link::BridgeLcm lcm(o.lcm_url, sealer, session, loop.inbox(), loop.outbox());
+  std::fprintf(stderr, "radio_bridge %s: vehicle %s, line %s, %s, %s\n", common::version().c_str(),
+               o.vehicle_id.c_str(), o.fc.c_str(), o.protocol.c_str(), o.lcm_url.c_str());
   const bool realtime = link::takeRealtimePriority(o.realtime_priority);
   // After the threads are there: under a small limit it fails here, and not in the middle of the work.
   const bool locked = o.realtime_priority > 0 && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;

@@ -40,12 +40,13 @@ static_assert(LinkStatus::BRIDGE_PULSE == static_cast<int>(link::BridgeState::PU
 static_assert(LinkStatus::BRIDGE_FAULT == static_cast<int>(link::BridgeState::FAULT));
 
 struct Settings {
-  std::string lcm_url, key_file, deadman;
+  std::string lcm_url, key_file, vehicle_id, deadman;
   double heartbeat_period, command_age, spin_timeout, deadman_timeout, arm_timeout, diagnostic_interval;
 
   explicit Settings(Params params) {
     lcm_url = params.text("lcm_url");
     key_file = params.text("key_file");
+    vehicle_id = params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID);
     heartbeat_period = params.number("heartbeat_period", {0.01, 0.05}, "s");
     command_age = params.number("command_age", {0.02, 0.1}, "s");
     spin_timeout = params.number("spin_timeout", {0.05, 0.2}, "s");
@@ -70,6 +71,9 @@ std::string listed(const link::Histogram& histogram) {
 LinkStatus toMessage(const link::BridgeStatus& status, const link::OperatorLink& link) {
   LinkStatus message;
   message.header.stamp = ros::Time::now();
+  message.session = link.session();
+  message.number = status.number;
+  message.vehicle_id = link.vehicleId();
   message.bridge_state = static_cast<std::uint8_t>(status.state);
   message.bridge_fault = link::describe(status.fault, status.fault_detail);
   message.pulse_id = static_cast<std::uint32_t>(status.pulse_id);
@@ -101,7 +105,7 @@ class FlightLinkNode {
   explicit FlightLinkNode(Handles& handles)
       : settings_(Params::fromServer(handles.own)),
         publisher_(handles.relative.advertise<LinkStatus>(topics::LINK_STATUS, 10)),
-        link_(settings_.lcm_url, link::loadKeyFile(settings_.key_file),
+        link_(settings_.lcm_url, link::Sealer(link::loadKeyFile(settings_.key_file), settings_.vehicle_id),
               [this](const link::BridgeStatus& status) { onStatus(status); }) {
     ros::NodeHandle& nh = handles.relative;
     subscriber_ =
@@ -284,7 +288,7 @@ class FlightLinkNode {
 
   bool abort(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     arm_wish_ = false;
-    post([this] { link_.sendAbort(snapwing_lcm::abort_t::OPERATOR); });
+    post([this] { link_.abort(snapwing_lcm::abort_t::OPERATOR); });
     response.success = wait(REFUSAL_WAIT, [&] { return bridgeAlive() && status().state == link::BridgeState::FAULT; });
     response.message = response.success ? "aborted; reset_link clears the fault" : "the radio bridge does not confirm";
     return true;

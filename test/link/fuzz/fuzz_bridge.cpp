@@ -82,7 +82,10 @@ class Driver {
 
   Stamp stamp() {
     const std::uint8_t kind = source_.byte();
-    Stamp stamp{1 + kind % 2, SESSION, ++number_, now_, 0.1};
+    const BridgeStatus& heard = core_.status();
+    Stamp stamp{1 + kind % 2, SESSION, ++number_, heard.frame_time, 0.1, heard.number, 0.0};
+    if (kind == 240) stamp.held = source_.number();
+    if (kind == 235) stamp.status_number = source_.byte();
     if (kind > 240) stamp.time = source_.number();
     if (kind == 239) stamp.expiry = source_.number();
     if (kind == 238) stamp.session = source_.byte();

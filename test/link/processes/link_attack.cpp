@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <lcm/lcm-cpp.hpp>
 #include <limits>
 #include <random>
 
@@ -24,10 +23,11 @@ struct Message {
 };
 using Messages = std::vector<Message>;
 
-Messages wellFormed(const link::Key& key, std::int64_t session) {
+/// @param heard  the newest status of the bridge; its number and time go into the stamp
+Messages wellFormed(const link::Key& key, std::int64_t session, const link::BridgeStatus& heard) {
   const link::Sealer sealer(key);
   link::PulseCommand pulse;
-  pulse.stamp = {1, session, 1, link::monotonicSeconds(), 0.1};
+  pulse.stamp = {1, session, 1, heard.frame_time, 0.1, heard.number, 0.0};
   pulse.pulse_id = 1000000;
   pulse.throttle = pulse.duration = 1.0;
   return {
@@ -39,7 +39,7 @@ Messages wellFormed(const link::Key& key, std::int64_t session) {
 }
 
 Messages garbage(std::mt19937& rng) {
-  Messages messages = wellFormed({}, 1);
+  Messages messages = wellFormed({}, 1, {});
   for (Message& message : messages) {
     message.bytes.resize(64);
     for (auto& byte : message.bytes) byte = static_cast<std::uint8_t>(rng());
@@ -69,13 +69,13 @@ Messages damaged(const Messages& good, std::mt19937& rng) {
 }
 
 /// Sealed with the right key and in the right session, and yet not to be obeyed.
-Messages absurd(const link::Key& key, std::int64_t session, std::mt19937& rng) {
+Messages absurd(const link::Key& key, std::int64_t session, const link::BridgeStatus& heard, std::mt19937& rng) {
   const link::Sealer sealer(key);
   const double wild[] = {std::nan(""), std::numeric_limits<double>::infinity(), -1.0, 1e308, 1.0001, -0.5, 1e-300};
   Messages bad;
   for (int i = 0; i < 200; ++i) {
     link::PulseCommand pulse;
-    pulse.stamp = {77, session, i + 1, link::monotonicSeconds(), 0.1};
+    pulse.stamp = {77, session, i + 1, heard.frame_time, 0.1, heard.number, 0.0};
     pulse.pulse_id = static_cast<std::int64_t>(rng());
     pulse.throttle = wild[rng() % 7];
     pulse.duration = wild[rng() % 7];
@@ -89,11 +89,12 @@ Messages absurd(const link::Key& key, std::int64_t session, std::mt19937& rng) {
 }
 
 Messages malformed(const std::string& url, const link::Key& key, std::mt19937& rng) {
-  link::OperatorLink listener(url, key);
+  link::OperatorLink listener(url, link::Sealer(key));
   for (int i = 0; i < 100 && listener.session() == 0; ++i) listener.handle(0.01);
   if (listener.session() == 0) throw std::runtime_error("no bridge heard");
-  Messages messages = damaged(wellFormed(key, listener.session()), rng);
-  for (Message& message : absurd(key, listener.session(), rng)) messages.push_back(std::move(message));
+  Messages messages = damaged(wellFormed(key, listener.session(), listener.status()), rng);
+  for (Message& message : absurd(key, listener.session(), listener.status(), rng))
+    messages.push_back(std::move(message));
   return messages;
 }
 
@@ -109,13 +110,12 @@ int main(int argc, char** argv) {
   app.add_option("--rate", rate, "messages a second");
   app.add_option("--seconds", seconds);
   CLI11_PARSE(app, argc, argv);
-  lcm::LCM bus(url);
-  if (!bus.good()) return 2;
+  link::LcmSocket bus(url);
   std::mt19937 rng(7);
   link::Key foreign;
   for (auto& byte : foreign) byte = static_cast<std::uint8_t>(rng());
   const Messages messages = mode == "garbage"  ? garbage(rng)
-                            : mode == "forged" ? wellFormed(foreign, 1)
+                            : mode == "forged" ? wellFormed(foreign, 1, {})
                                                : malformed(url, link::loadKeyFile(key_file), rng);
   const double start = link::monotonicSeconds();
   long sent = 0;
@@ -123,7 +123,7 @@ int main(int argc, char** argv) {
     const long due = std::lround((now - start) * rate);
     for (; sent < due; ++sent) {
       const Message& message = messages[static_cast<std::size_t>(sent) % messages.size()];
-      bus.publish(message.channel, message.bytes.data(), static_cast<unsigned>(message.bytes.size()));
+      bus.publish(message.channel, message.bytes.data(), message.bytes.size());
     }
     poll(nullptr, 0, rate > 10000 ? 0 : 1);
   }

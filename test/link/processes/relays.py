@@ -10,6 +10,7 @@ import time
 from link_bench import Process, wait_for
 
 GROUP = "239.255.76.67"
+LOOPBACK = "127.0.0.1"  # the link with ttl=0 uses no other interface
 
 
 def group_socket(port):
@@ -18,7 +19,7 @@ def group_socket(port):
     hears.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     hears.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
     hears.bind((GROUP, port))
-    hears.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, struct.pack("4sL", socket.inet_aton(GROUP), socket.INADDR_ANY))
+    hears.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + socket.inet_aton(LOOPBACK))
     return hears
 
 
@@ -31,6 +32,7 @@ class LcmRelay:
         self.say = []
         for _ in self.ports:
             out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
             out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
             out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
             out.bind(("", 0))
