@@ -1,6 +1,7 @@
-/// The bridge's ramp of the throttle.
+/// The ramp of the throttle, and the settings' ranges.
 #include <gtest/gtest.h>
 
+#include "snapwing/common/error.h"
 #include "snapwing/link/bridge_core.h"
 
 namespace snapwing::link {
