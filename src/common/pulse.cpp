@@ -15,14 +15,31 @@ void requireShare(const char* name, double value) {
 }
 }  // namespace
 
-double throttleMicroseconds(const Radio& radio, double throttle) {
+ThrottleScale throttleScale(const Radio& radio) {
+  return {radio.throttle_low, radio.throttle_high, radio.min_check, radio.motor_idle, radio.motor_full};
+}
+
+ThrottleScale throttleScaleOf(const std::string& vehicle_file) {
+  return throttleScale(loadVehicle(vehicle_file).radio);
+}
+
+double throttleMicroseconds(const ThrottleScale& scale, double throttle) {
   requireShare("throttle", throttle);
-  return radio.throttle_low + throttle * (radio.throttle_high - radio.throttle_low);
+  return scale.low + throttle * (scale.high - scale.low);
+}
+
+double throttleMicroseconds(const Radio& radio, double throttle) {
+  return throttleMicroseconds(throttleScale(radio), throttle);
+}
+
+double throttleFromMicroseconds(const ThrottleScale& scale, double microseconds) {
+  if (!std::isfinite(microseconds)) throw Error("throttle is not finite; allowed: microseconds");
+  return std::clamp((microseconds - scale.low) / (scale.high - scale.low), 0.0, 1.0);
 }
 
 double motorOutputFromMicroseconds(const Radio& radio, double microseconds) {
   if (!std::isfinite(microseconds)) throw Error("motor output is not finite; allowed: microseconds");
-  return std::clamp((microseconds - radio.throttle_low) / (radio.motor_full - radio.throttle_low), 0.0, 1.0);
+  return std::clamp((microseconds - MOTOR_OFF) / (radio.motor_full - MOTOR_OFF), 0.0, 1.0);
 }
 
 double motorOutput(const Radio& radio, double throttle) {
@@ -48,10 +65,10 @@ double throttleForThrust(const Vehicle& vehicle, double fraction) {
   // q s^2 + (1-q) s = fraction, in the form that has no cancellation and needs no special case for q = 0.
   const double linear = 1.0 - q;
   const double s = 2.0 * fraction / (linear + std::sqrt(linear * linear + 4.0 * q * fraction));
-  const double microseconds = radio.throttle_low + s * (radio.motor_full - radio.throttle_low);
+  const double microseconds = MOTOR_OFF + s * (radio.motor_full - MOTOR_OFF);
   const double above = (microseconds - radio.motor_idle) / (radio.motor_full - radio.motor_idle);
   const double stick = radio.min_check + above * (radio.throttle_high - radio.min_check);
-  return std::clamp((stick - radio.throttle_low) / (radio.throttle_high - radio.throttle_low), 0.0, 1.0);
+  return throttleFromMicroseconds(throttleScale(radio), stick);
 }
 
 }  // namespace snapwing::common

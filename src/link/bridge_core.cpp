@@ -36,6 +36,7 @@ BridgeCore::BridgeCore(const BridgeSettings& settings, std::int64_t session, dou
       low_since_(now) {
   settings_.validate();
   status_.channels = safeChannels();
+  status_.throttle = settings_.throttle;
 }
 
 Refusal BridgeCore::refuse(Refusal refusal, std::int64_t detail) {
@@ -334,7 +335,7 @@ void BridgeCore::composeChannels(double now) {
     const double rise = settings_.throttle_rise;
     const double ceiling = rise > 0.0 ? (now - pulse_start_ + settings_.frame_period) / rise : 1.0;
     status_.commanded_throttle = std::clamp(pending_.throttle, 0.0, std::min(settings_.max_throttle, ceiling));
-    status_.channels.us[THROTTLE] = travelToMicroseconds(status_.commanded_throttle);
+    status_.channels.us[THROTTLE] = travelToMicroseconds(status_.commanded_throttle, settings_.throttle);
     if (pending_.mixed) {
       status_.channels.us[PITCH] =
           stickToMicroseconds(std::clamp(pending_.pitch, -settings_.max_pitch, settings_.max_pitch));

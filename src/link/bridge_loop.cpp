@@ -1,5 +1,7 @@
 #include "snapwing/link/bridge_loop.h"
 
+#include <cmath>
+
 #include "snapwing/common/error.h"
 #include "snapwing/link/crsf.h"
 #include "snapwing/link/sbus.h"
@@ -24,6 +26,9 @@ MspVersion mspVersion(Protocol protocol) { return protocol == Protocol::MSP1 ? M
 ControllerRules controllerRules(const BridgeSettings& settings, const std::set<std::string>& allowed) {
   ControllerRules rules;
   rules.pilot_override = settings.pilot_override;
+  rules.throttle_low = static_cast<int>(std::lround(settings.throttle.low));
+  rules.throttle_high = static_cast<int>(std::lround(settings.throttle.high));
+  rules.min_check = static_cast<int>(std::lround(settings.throttle.min_check));
   rules.allowed = allowedMask(allowed);
   return rules;
 }

@@ -1,12 +1,15 @@
 #include "snapwing/link/bridge_types.h"
 
 #include <array>
+#include <cmath>
 
 #include "snapwing/common/error.h"
 #include "snapwing/link/controller_checks.h"
 
 namespace snapwing::link {
 namespace {
+
+constexpr int IDLE_MARGIN = 50;  ///< [us] above the motors' idle that still is idle
 
 constexpr std::array<const char*, 26> ARMING_FLAGS = {
     "NOGYRO",      "FAILSAFE",    "RXLOSS",     "NOT_DISARMED", "BOXFAILSAFE", "RUNAWAY",   "CRASH",
@@ -128,6 +131,27 @@ std::string describe(Refusal refusal, std::int64_t detail) {
   return "refusal " + std::to_string(static_cast<int>(refusal));
 }
 
+std::string scaleMismatch(const common::ThrottleScale& bridge, const common::ThrottleScale& vehicle) {
+  const std::array<double, 5> ours = {bridge.low, bridge.high, bridge.min_check, bridge.motor_idle, bridge.motor_full};
+  const std::array<double, 5> theirs = {vehicle.low, vehicle.high, vehicle.min_check, vehicle.motor_idle,
+                                        vehicle.motor_full};
+  constexpr std::array<const char*, 5> NAMES = {"throttle_low", "throttle_high", "min_check", "motor_idle",
+                                                "motor_full"};
+  std::string text;
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (std::abs(ours[i] - theirs[i]) <= 0.5) continue;
+    text += (text.empty() ? "" : ", ") + std::string("radio.") + NAMES[i] + " is " +
+            std::to_string(std::lround(ours[i])) + " us at the radio bridge and " +
+            std::to_string(std::lround(theirs[i])) + " us in the vehicle file";
+  }
+  return text.empty() ? text : text + "; start radio_bridge with --vehicle-file of this vehicle";
+}
+
+void BridgeSettings::useScale(const common::ThrottleScale& scale) {
+  throttle = scale;
+  motor_idle_limit = static_cast<int>(std::lround(scale.motor_idle)) + IDLE_MARGIN;
+}
+
 void BridgeSettings::validate() const {
   check("frame_period", frame_period, 0.007, 0.05, "s");
   check("max_age", max_age, frame_period, 0.1, "s");
@@ -144,6 +168,9 @@ void BridgeSettings::validate() const {
   check("line_timeout", line_timeout, 2 * frame_period, 0.2, "s");
   check("motor_check_delay", motor_check_delay, 0.2, 5.0, "s");
   check("motor_idle_limit", motor_idle_limit, 1000, 1200, "us");
+  check("throttle.min_check", throttle.min_check, CHANNEL_LOW + 1, CHANNEL_CENTRE, "us");
+  check("throttle.low", throttle.low, CHANNEL_MIN_VALID, throttle.min_check - 1, "us");
+  check("throttle.high", throttle.high, throttle.min_check + 1, CHANNEL_MAX_VALID, "us");
   check("exit_time", exit_time, 0.2, 2.0, "s");
 }
 

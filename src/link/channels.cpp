@@ -15,9 +15,10 @@ Channels safeChannels() {
   return channels;
 }
 
-std::uint16_t travelToMicroseconds(double travel) {
+std::uint16_t travelToMicroseconds(double travel, const common::ThrottleScale& scale) {
   if (!std::isfinite(travel)) return CHANNEL_LOW;
-  return static_cast<std::uint16_t>(CHANNEL_LOW + std::lround(1000.0 * std::clamp(travel, 0.0, 1.0)));
+  const double microseconds = common::throttleMicroseconds(scale, std::clamp(travel, 0.0, 1.0));
+  return static_cast<std::uint16_t>(std::lround(microseconds));
 }
 
 std::uint16_t stickToMicroseconds(double stick) {

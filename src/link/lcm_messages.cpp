@@ -1,6 +1,7 @@
 #include "snapwing/link/lcm_messages.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -118,6 +119,8 @@ bool fromLcm(const snapwing_lcm::link_status_t& in, BridgeStatus& out) {
   out.latency_worst = in.latency_worst;
   out.realtime = in.realtime != 0;
   out.memory_locked = in.memory_locked != 0;
+  const double* scale = in.throttle_scale;
+  out.throttle = {scale[0], scale[1], scale[2], scale[3], scale[4]};
   out.controller.override_active = in.pilot_override != 0;
   out.controller.connected = in.controller_connected != 0;
   out.controller.known = in.controller_known != 0;
@@ -151,6 +154,9 @@ snapwing_lcm::link_status_t toLcm(const BridgeStatus& in, const Stamp& stamp, st
   out.latency_worst = in.latency_worst;
   out.realtime = in.realtime ? 1 : 0;
   out.memory_locked = in.memory_locked ? 1 : 0;
+  const common::ThrottleScale& scale = in.throttle;
+  const std::array<double, 5> sent = {scale.low, scale.high, scale.min_check, scale.motor_idle, scale.motor_full};
+  std::copy(sent.begin(), sent.end(), std::begin(out.throttle_scale));
   out.pilot_override = in.controller.override_active ? 1 : 0;
   out.controller_connected = in.controller.connected ? 1 : 0;
   out.controller_known = in.controller.known ? 1 : 0;

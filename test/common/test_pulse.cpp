@@ -41,6 +41,25 @@ TEST(Pulse, ReportedMicrosecondsGiveTheSameOutput) {
   EXPECT_THROW(motorOutputFromMicroseconds(radio(), NAN), Error);
 }
 
+TEST(Pulse, WireAndStickAreInverse) {
+  const ThrottleScale scale{988, 2012, 1050, 1060, 2000};
+  for (const double throttle : {0.0, 0.1, 0.5, 1.0}) {
+    EXPECT_NEAR(throttleFromMicroseconds(scale, throttleMicroseconds(scale, throttle)), throttle, 1e-15);
+  }
+  EXPECT_EQ(throttleFromMicroseconds(scale, 900), 0.0);
+  EXPECT_EQ(throttleFromMicroseconds(scale, 2100), 1.0);
+  EXPECT_THROW(throttleFromMicroseconds(scale, NAN), Error);
+}
+
+/// The zero of the motors' scale is the motors', not the stick's: another throttle_low does not change what an output
+/// of 1070 us is.
+TEST(Pulse, MotorsScaleDoesNotHangOnTheStick) {
+  Radio r = radio();
+  r.throttle_low = 1030;
+  EXPECT_DOUBLE_EQ(motorOutputFromMicroseconds(r, 1070), 0.070);
+  EXPECT_DOUBLE_EQ(motorOutput(r, 0.0), 0.070);
+}
+
 TEST(Pulse, ThrustFractionAndItsInverse) {
   EXPECT_DOUBLE_EQ(thrustFraction(0.8, 0.5), 0.8 * 0.25 + 0.2 * 0.5);
   Vehicle vehicle;

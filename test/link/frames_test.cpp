@@ -113,10 +113,10 @@ TEST(Crsf, RoundTripAndEveryFlippedBitRejected) {
 }
 
 TEST(Channels, StickConversionsClampAndTakeNoNonsense) {
-  EXPECT_EQ(travelToMicroseconds(0.5), 1500);
-  EXPECT_EQ(travelToMicroseconds(7.0), 2000);
-  EXPECT_EQ(travelToMicroseconds(-1.0), 1000);
-  EXPECT_EQ(travelToMicroseconds(std::nan("")), 1000);
+  EXPECT_EQ(travelToMicroseconds(0.5, {}), 1500);
+  EXPECT_EQ(travelToMicroseconds(7.0, {}), 2000);
+  EXPECT_EQ(travelToMicroseconds(-1.0, {}), 1000);
+  EXPECT_EQ(travelToMicroseconds(std::nan(""), {}), 1000);
   EXPECT_EQ(stickToMicroseconds(-1.0), 1000);
   EXPECT_EQ(stickToMicroseconds(std::nan("")), 1500);
 }

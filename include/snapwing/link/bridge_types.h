@@ -90,6 +90,8 @@ enum class Refusal : std::int32_t {
 /// Plain sentences for logs and messages, e.g. "command is 130 ms old, limit 100 ms".
 std::string describe(Fault fault, std::int64_t detail);
 std::string describe(Refusal refusal, std::int64_t detail);
+/// Why commands reckoned with one scale must not go out by another; empty if they agree within half a microsecond.
+std::string scaleMismatch(const common::ThrottleScale& bridge, const common::ThrottleScale& vehicle);
 /// "RXLOSS BOOTGRACE" from a mask of Betaflight 4.5's arming-disable bits.
 std::string describeArmingFlags(std::uint32_t flags);
 
@@ -128,6 +130,9 @@ struct BridgeSettings {
   /// The pilot's receiver leads; these frames count on masked channels only, while the pilot's switch allows it. The
   /// pilot arms, AUX1 is always sent low, and letting go of the switch ends everything.
   bool pilot_override = false;
+  common::ThrottleScale throttle;  ///< of the vehicle file; the operator must have the same
+  /// Takes the scale and the limit of idle motors from a vehicle file's `radio`.
+  void useScale(const common::ThrottleScale& scale);
   /// @throws common::SettingError naming the key
   void validate() const;
 };
@@ -153,11 +158,12 @@ struct BridgeStatus {
   std::int64_t commands_refused = 0;
   Refusal last_refusal = Refusal::NONE;
   std::int64_t last_refusal_detail = 0;
-  double period_worst = 0;        ///< [s] over the last second
-  Histogram period_histogram{};   ///< how far each frame of the grid missed its time
-  Histogram latency_histogram{};  ///< command stamped -> its first frame
-  double latency_worst = 0;       ///< [s]
-  bool realtime = false;          ///< the loop has real-time priority
+  double period_worst = 0;         ///< [s] over the last second
+  Histogram period_histogram{};    ///< how far each frame of the grid missed its time
+  Histogram latency_histogram{};   ///< command stamped -> its first frame
+  double latency_worst = 0;        ///< [s]
+  common::ThrottleScale throttle;  ///< by which commands reach the wire
+  bool realtime = false;           ///< the loop has real-time priority
   bool memory_locked = false;
   ControllerState controller;
   double telemetry_age = -1;  ///< [s]; negative = never

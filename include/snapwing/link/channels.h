@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "snapwing/common/pulse.h"
+
 namespace snapwing::link {
 
 constexpr int MAX_CHANNELS = 16;
@@ -25,9 +27,9 @@ struct Channels {
 /// Throttle low, AUX1 low, sticks centred: what is sent whenever nothing else is allowed. FRAME_CHANNELS long.
 Channels safeChannels();
 
-/// Stick travel -> microseconds, clamped to 1000..2000. Not finite gives the low end.
+/// Stick travel -> whole microseconds by common's rule, clamped to the scale. Not finite gives CHANNEL_LOW.
 /// @param travel  [0, 1]
-std::uint16_t travelToMicroseconds(double travel);
+std::uint16_t travelToMicroseconds(double travel, const common::ThrottleScale& scale);
 /// @param stick  [-1, 1], 0 = centre. Not finite gives the centre.
 std::uint16_t stickToMicroseconds(double stick);
 

@@ -45,6 +45,7 @@ struct Options {
   std::vector<std::string> allow;
   int realtime_priority = 50;
   bool check = false;
+  std::string vehicle_file;
   link::BridgeSettings settings;
 };
 
@@ -93,6 +94,9 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--allow", o.allow,
                  "checks of the flight controller that need not pass: " + link::allowableChecks() +
                      "; no-readback: do not ask it at all (needed with sbus and crsf)");
+  app.add_option(
+      "--vehicle-file", o.vehicle_file,
+      "vehicle's YAML file: its radio.throttle_low, throttle_high, min_check and motor_idle hold on the wire");
   app.add_flag("--check", o.check,
                "ask the flight controller, print what is ready and what is not, and end: 0 ready, 1 not ready, 3 no "
                "answer; sends no channel and needs no key");
@@ -220,6 +224,7 @@ int main(int argc, char** argv) {
   addOptions(app, options);
   try {
     app.parse(ownArguments(argc, argv));
+    if (!options.vehicle_file.empty()) options.settings.useScale(common::throttleScaleOf(options.vehicle_file));
     return start(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

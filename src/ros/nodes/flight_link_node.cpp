@@ -41,12 +41,15 @@ static_assert(LinkStatus::BRIDGE_FAULT == static_cast<int>(link::BridgeState::FA
 
 struct Settings {
   std::string lcm_url, key_file, vehicle_id, deadman;
+  common::ThrottleScale throttle;  ///< with which commands are reckoned
   double heartbeat_period, command_age, spin_timeout, deadman_timeout, arm_timeout, diagnostic_interval;
 
   explicit Settings(Params params) {
     lcm_url = params.text("lcm_url");
     key_file = params.text("key_file");
     vehicle_id = params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID);
+    const std::string vehicle_file = params.textOr("vehicle_file", "");
+    if (!vehicle_file.empty()) throttle = common::throttleScaleOf(vehicle_file);
     heartbeat_period = params.number("heartbeat_period", {0.01, 0.05}, "s");
     command_age = params.number("command_age", {0.02, 0.1}, "s");
     spin_timeout = params.number("spin_timeout", {0.05, 0.2}, "s");
@@ -207,6 +210,12 @@ class FlightLinkNode {
       ROS_WARN_STREAM("pulse " << command.id << " dropped: " << (sound ? "age " : "not finite, age ") << age << " s");
       return;
     }
+    const std::string mismatch = link::scaleMismatch(status().throttle, settings_.throttle);
+    if (!mismatch.empty()) {
+      ++dropped_;
+      ROS_WARN_STREAM("pulse " << command.id << " dropped: throttle is scaled in two ways: " << mismatch);
+      return;
+    }
     post([this, command] {
       if (!link_.sendPulse(command.id, command.pulse.throttle, command.pulse.duration, command.pitch, command.mixed)) {
         ++dropped_;
@@ -247,6 +256,8 @@ class FlightLinkNode {
   /// @return why not, or empty
   std::string tryToArm() {
     if (!bridgeAlive()) return "no radio bridge heard";
+    const std::string mismatch = link::scaleMismatch(status().throttle, settings_.throttle);
+    if (!mismatch.empty()) return "throttle is scaled in two ways: " + mismatch;
     if (isActive(status().state) && status().controller.armed) return "";
     arm_wish_ = false;
     wait(CYCLE_TIME, [] { return false; });

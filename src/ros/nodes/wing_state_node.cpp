@@ -136,12 +136,11 @@ class WingStateNode {
       double sum = 0;
       const std::size_t count =
           std::min<std::size_t>(link.motors.size(), static_cast<std::size_t>(vehicle_.rotors.count));
-      for (std::size_t i = 0; i < count; ++i) sum += (link.motors[i] - 1000.0) / 1000.0;
-      return count > 0 ? std::clamp(sum / static_cast<double>(count), 0.0, 1.0) : 0;
+      for (std::size_t i = 0; i < count; ++i) sum += common::motorOutputFromMicroseconds(radio, link.motors[i]);
+      return count > 0 ? sum / static_cast<double>(count) : 0;
     }
     if (link.channels.size() < 3) return 0;
-    const double stick = (link.channels[2] - radio.throttle_low) / (radio.throttle_high - radio.throttle_low);
-    return common::motorOutput(radio, std::clamp(stick, 0.0, 1.0));
+    return common::motorOutput(radio, common::throttleFromMicroseconds(common::throttleScale(radio), link.channels[2]));
   }
 
   /// The operator tells that the ring is held and stands still, or is let go: until then the estimate's speed is 0.
