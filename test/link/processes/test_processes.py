@@ -132,6 +132,7 @@ class Processes(unittest.TestCase):
                 self.assertAlmostEqual(bench.motors.first_at_or_below(IDLE, rise) - rise, 0.2, delta=0.04 + SLACK)
 
     def test_controller_serves_one_caller_at_a_time(self):
+        wait_for(lambda: self.bench.fresh().get("connected"), 10, "the bridge is there first")
         with socket.create_connection(("127.0.0.1", self.bench.controller_port), timeout=2) as second:
             self.assertEqual(second.recv(1), b"", "closed at once, since the bridge is there")
         self.bench.bridge.kill()
