@@ -7,13 +7,14 @@ import csv
 import json
 import math
 import os
+import re
 
 import h5py
 import numpy as np
-import yaml
 
 from snapwing_tools import topics
 from snapwing_tools.errors import InputError
+from snapwing_tools.yaml_file import load_yaml
 
 
 class ForceTable:
@@ -99,35 +100,50 @@ def _text(value):
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
-def read_table_csv(path, required):
-    """CSV with a header row -> dict of float arrays. Lines that start with # are comments. Extra columns are kept if
-    they are numbers."""
+def read_csv_rows(path):
+    """(header, [(line number, fields)]) of a CSV file. Lines that are empty or start with # are comments. Every row has
+    as many fields as the header: a decimal comma would add one."""
     require_file(path)
-    with open(path, newline="", encoding="utf-8", errors="replace") as file:
-        rows = [row for row in csv.reader(line for line in file if not line.lstrip().startswith("#")) if row]
+    with open(path, newline=None, encoding="utf-8-sig", errors="replace") as file:
+        lines = [(number, line) for number, line in enumerate(file, 1)
+                 if line.strip() and not line.lstrip().startswith("#")]
+    parsed = csv.reader(line for _, line in lines)
+    rows = [(number, [field.strip() for field in row]) for (number, _), row in zip(lines, parsed)]
     if not rows:
         raise InputError("{}: no rows".format(path))
-    header = [name.strip() for name in rows[0]]
+    header = rows[0][1]
+    if len(set(header)) < len(header):
+        raise InputError("{}: a column's name is given twice in {}".format(path, ", ".join(header)))
+    for number, row in rows[1:]:
+        if len(row) != len(header):
+            raise InputError("{}: line {} has {} fields; allowed: the {} of the header, with decimal points".format(
+                path, number, len(row), len(header)))
+    return header, rows[1:]
+
+
+def read_table_csv(path, required):
+    """CSV with a header row -> dict of float arrays. Extra columns are kept if they are numbers."""
+    header, rows = read_csv_rows(path)
     absent = [name for name in required if name not in header]
     if absent:
         raise InputError("{}: column '{}' is missing; found {}".format(path, absent[0], ", ".join(header)))
-    if len(rows) < 2:
+    if not rows:
         raise InputError("{}: a header but no rows".format(path))
     columns = {}
     for index, name in enumerate(header):
-        columns[name] = np.array([_cell(path, number, row, index, name, required)
-                                  for number, row in enumerate(rows[1:], 2)])
+        columns[name] = np.array([_cell(path, number, row, index, name, required) for number, row in rows])
     return columns
 
 
+NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$|-?nan$|-?inf$")
+
+
 def _cell(path, number, row, index, name, required):
-    try:
+    if NUMBER.match(row[index]):
         return float(row[index])
-    except (IndexError, ValueError):
-        if name in required:
-            raise InputError("{}: row {}, column '{}': '{}' is no number".format(
-                path, number, name, row[index] if index < len(row) else ""))
-        return math.nan
+    if name in required:
+        raise InputError("{}: line {}, column '{}': '{}' is no number".format(path, number, name, row[index]))
+    return math.nan
 
 
 class OutcomeMap:
@@ -232,11 +248,7 @@ class Parameter:
 def read_vehicle(path):
     """(name, list of Parameter, plain settings by dotted key)."""
     require_file(path)
-    try:
-        with open(path, encoding="utf-8") as file:
-            tree = yaml.safe_load(file)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError("{}: not YAML ({})".format(path, " ".join(str(error).split())))
+    tree = load_yaml(path)
     if not isinstance(tree, dict) or "name" not in tree:
         raise InputError("{}: no vehicle file, key 'name' is missing".format(path))
     parameters, settings = [], {}

@@ -2,7 +2,6 @@
 // attribute per provenance entry on the group "provenance".
 #include <hdf5.h>
 
-#include <filesystem>
 #include <functional>
 
 #include "snapwing/common/error.h"
@@ -55,11 +54,8 @@ std::vector<T> readArray(hid_t file, const std::string& name, const std::string&
   Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, path, "find the dataset " + name);
   const std::string found = readAttribute(set, "unit", path);
   if (found != unit) throw FileError(path, "'" + name + "' is in '" + found + "'; allowed: '" + unit + "'");
-  Handle space(H5Dget_space(set), H5Sclose, path, "read the size of " + name);
-  const hssize_t size = H5Sget_simple_extent_npoints(space);
-  if (H5Sget_simple_extent_ndims(space) != 1 || size < 0) throw FileError(path, "'" + name + "' is no 1-D array");
-  std::vector<T> values(static_cast<std::size_t>(size));
-  if (size > 0) {
+  std::vector<T> values(hdf5::sizeOf(set, name, path));
+  if (!values.empty()) {
     check(H5Dread(set, memoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, "read " + name);
   }
   return values;
@@ -142,9 +138,8 @@ void saveForceTable(const ForceTable& table, const std::string& path) {
 }
 
 ForceTable loadForceTable(const std::string& path) {
-  if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
   QuietErrors quiet;
-  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open the file as HDF5");
+  Handle file(hdf5::openFile(path), H5Fclose, path, "open the file as HDF5");
   const auto format = readArray<int>(file, "format_version", "1", path);
   if (format != std::vector<int>{FORMAT_VERSION}) throw FileError(path, "format_version is not 1");
   ForceTable t;

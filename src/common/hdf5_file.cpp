@@ -1,9 +1,12 @@
 #include "snapwing/common/hdf5_file.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <vector>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/output_file.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::common::hdf5 {
 
@@ -32,15 +35,100 @@ void writeAttribute(hid_t object, const std::string& name, const std::string& te
   check(H5Awrite(attribute, type, text.c_str()), path, "write the attribute " + name);
 }
 
-std::string readAttribute(hid_t object, const std::string& name, const std::string& path) {
-  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, path, "find the attribute " + name);
-  Handle type(H5Aget_type(attribute), H5Tclose, path, "read the type of " + name);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
-    throw FileError(path, "attribute " + name + " is no text");
+hid_t openFile(const std::string& path) {
+  std::error_code none;
+  const std::filesystem::file_status status = std::filesystem::status(path, none);
+  if (!std::filesystem::exists(status)) throw FileError(path, "does not exist");
+  if (!std::filesystem::is_regular_file(status))
+    throw FileError(path, "is no plain file; HDF5 is read from files only");
+  return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+}
+
+std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& path) {
+  constexpr hssize_t MOST = 100000000;  // what a damaged header may claim is no reason to ask for memory
+  const Handle space(H5Dget_space(dataset), H5Sclose, path, "read the size of " + name);
+  const hssize_t size = H5Sget_simple_extent_npoints(space);
+  if (H5Sget_simple_extent_ndims(space) != 1 || size < 0) throw FileError(path, "'" + name + "' is no 1-D array");
+  if (size > MOST) {
+    throw FileError(path,
+                    "'" + name + "' has " + std::to_string(size) + " elements; allowed: 0 .. " + std::to_string(MOST));
   }
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Aread(attribute, type, text.data()), path, "read the attribute " + name);
-  return text.substr(0, text.find('\0'));
+  return static_cast<std::size_t>(size);
+}
+
+namespace {
+
+/// One attribute with its type and the number of its elements.
+class Attribute {
+ public:
+  Attribute(hid_t object, const std::string& name, const std::string& path)
+      : name_(name),
+        path_(path),
+        id_(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, path, "find the attribute " + name),
+        type_(H5Aget_type(id_), H5Tclose, path, "read the type of " + name),
+        space_(H5Aget_space(id_), H5Sclose, path, "read the size of " + name),
+        count_(H5Sget_simple_extent_npoints(space_)) {}
+
+  bool empty() const { return count_ == 0; }
+  bool isText() const { return H5Tget_class(type_) == H5T_STRING && count_ == 1; }
+  bool isNumber() const {
+    const H5T_class_t kind = H5Tget_class(type_);
+    return (kind == H5T_INTEGER || kind == H5T_FLOAT) && count_ == 1;
+  }
+  std::string text() const { return H5Tis_variable_str(type_) > 0 ? variableText() : fixedText(); }
+  double number() const {
+    double value = 0;
+    check(H5Aread(id_, H5T_NATIVE_DOUBLE, &value), path_, "read the attribute " + name_);
+    return value;
+  }
+
+ private:
+  std::string fixedText() const {
+    std::string text(H5Tget_size(type_), '\0');
+    check(H5Aread(id_, type_, text.data()), path_, "read the attribute " + name_);
+    text.resize(std::min(text.find('\0'), text.size()));
+    if (H5Tget_strpad(type_) == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
+    return text;
+  }
+  std::string variableText() const {
+    char* text = nullptr;
+    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path_, "make a type");
+    check(H5Tset_size(type, H5T_VARIABLE), path_, "size a type");
+    check(H5Tset_cset(type, H5Tget_cset(type_)), path_, "set the encoding of a type");
+    check(H5Aread(id_, type, &text), path_, "read the attribute " + name_);
+    const std::string result = text != nullptr ? text : "";
+    H5free_memory(text);
+    return result;
+  }
+
+  const std::string &name_, &path_;
+  Handle id_, type_, space_;
+  hssize_t count_;
+};
+
+}  // namespace
+
+std::string readAttribute(hid_t object, const std::string& name, const std::string& path) {
+  const Attribute attribute(object, name, path);
+  if (!attribute.isText()) throw FileError(path, "attribute " + name + " is no text");
+  return attribute.text();
+}
+
+std::map<std::string, std::string> readNotes(hid_t object, const std::string& path) {
+  std::vector<std::string> names;
+  const auto add_name = [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
+    static_cast<std::vector<std::string>*>(list)->push_back(name);
+    return 0;
+  };
+  check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, add_name, &names), path, "list the attributes");
+  std::map<std::string, std::string> notes;
+  for (const std::string& name : names) {
+    const Attribute attribute(object, name, path);
+    const bool good = attribute.empty() || attribute.isText() || attribute.isNumber();
+    if (!good) throw FileError(path, "attribute " + name + " is neither one text nor one number");
+    notes[name] = attribute.empty() ? "" : attribute.isText() ? attribute.text() : toText(attribute.number());
+  }
+  return notes;
 }
 
 void writeProvenance(hid_t file, const std::map<std::string, std::string>& entries, const std::string& path) {
@@ -50,15 +138,7 @@ void writeProvenance(hid_t file, const std::map<std::string, std::string>& entri
 
 std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path) {
   Handle group(H5Gopen2(file, "provenance", H5P_DEFAULT), H5Gclose, path, "find the group provenance");
-  std::vector<std::string> names;
-  const auto add_name = [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
-    static_cast<std::vector<std::string>*>(list)->push_back(name);
-    return 0;
-  };
-  check(H5Aiterate2(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add_name, &names), path, "list the provenance");
-  std::map<std::string, std::string> entries;
-  for (const std::string& name : names) entries[name] = readAttribute(group, name, path);
-  return entries;
+  return readNotes(group, path);
 }
 
 void writeFile(const std::string& path, const std::function<void(hid_t file)>& fill) {

@@ -9,7 +9,8 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
+#include "snapwing/common/plain_text.h"
+#include "yaml_check.h"
 
 namespace snapwing::common {
 
@@ -17,29 +18,30 @@ namespace {
 
 std::string describe(const YAML::Node& node) {
   if (!node.IsDefined() || node.IsNull()) return "null";
-  if (node.IsScalar()) return "'" + node.Scalar() + "'";
+  if (node.IsScalar()) {
+    const std::string& text = node.Scalar();
+    double number = 0;
+    const bool zero = node.Tag() != "!" && hasLeadingZero(text) && parseNumber(text, &number);
+    return "'" + text + "'" + (zero ? " (its leading zero would mean octal to some readers: leave it out)" : "");
+  }
   return node.IsSequence() ? "a list" : "a map";
-}
-
-std::string number(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
 }
 
 std::string describeRange(const Range& range, const std::string& unit) {
   const std::string suffix = unit.empty() || unit == "1" ? "" : " " + unit;
   const bool below = std::isfinite(range.low);
   const bool above = std::isfinite(range.high);
-  if (below && above) return "a number in [" + number(range.low) + ", " + number(range.high) + "]" + suffix;
-  if (below) return "a number >= " + number(range.low) + suffix;
-  if (above) return "a number <= " + number(range.high) + suffix;
+  if (below && above) return "a number in [" + toText(range.low) + ", " + toText(range.high) + "]" + suffix;
+  if (below) return "a number >= " + toText(range.low) + suffix;
+  if (above) return "a number <= " + toText(range.high) + suffix;
   return "a finite number" + suffix;
 }
 
-bool parseNumber(const YAML::Node& node, double* value) {
-  // A quoted number is text, as for every other YAML reader: refuse it.
-  return node.IsScalar() && node.Tag() != "!" && YAML::convert<double>::decode(node, *value) && std::isfinite(*value);
+/// A quoted number is text, as for every other YAML reader: refuse it.
+bool isPlain(const YAML::Node& node) { return node.IsScalar() && node.Tag() != "!"; }
+
+bool readNumber(const YAML::Node& node, double* value) {
+  return isPlain(node) && !hasLeadingZero(node.Scalar()) && parseNumber(node.Scalar(), value);
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -72,7 +74,7 @@ void appendContent(const YAML::Node& node, const std::string& path, const std::s
     line.precision(17);
     double value = 0;
     line << path << '=';
-    parseNumber(node, &value) ? line << value : line << describe(node);
+    readNumber(node, &value) ? line << value : line << describe(node);
     text += line.str() + "\n";
   }
 }
@@ -98,11 +100,12 @@ SettingsReader::SettingsReader(SettingsReader&&) noexcept = default;
 SettingsReader& SettingsReader::operator=(SettingsReader&&) noexcept = default;
 SettingsReader::~SettingsReader() = default;
 
-SettingsReader SettingsReader::fromFile(const std::string& path) { return fromText(readFile(path), path); }
+SettingsReader SettingsReader::fromFile(const std::string& path) { return fromText(readTextFile(path), path); }
 
 SettingsReader SettingsReader::fromText(const std::string& text, const std::string& where) {
   YAML::Node root;
   try {
+    checkYaml(text, where);
     root = YAML::Load(text);
   } catch (const YAML::Exception& e) {
     throw FileError(where, std::string("no valid YAML: ") + e.what());
@@ -156,7 +159,7 @@ double SettingsReader::number(const std::string& key, const Range& range, const 
   const std::string allowed = describeRange(range, unit);
   const YAML::Node node = child(key, allowed);
   double value = 0;
-  if (!parseNumber(node, &value) || value < range.low || value > range.high) fail(key, describe(node), allowed);
+  if (!readNumber(node, &value) || value < range.low || value > range.high) fail(key, describe(node), allowed);
   return value;
 }
 
@@ -169,7 +172,7 @@ int SettingsReader::integer(const std::string& key, int low, int high) {
   const std::string allowed = "a whole number in [" + std::to_string(low) + ", " + std::to_string(high) + "]";
   const YAML::Node node = child(key, allowed);
   int value = 0;
-  const bool good = node.IsScalar() && node.Tag() != "!" && YAML::convert<int>::decode(node, value);
+  const bool good = isPlain(node) && !hasLeadingZero(node.Scalar()) && parseInteger(node.Scalar(), &value);
   if (!good || value < low || value > high) fail(key, describe(node), allowed);
   return value;
 }
@@ -181,7 +184,7 @@ int SettingsReader::integerOr(const std::string& key, int fallback, int low, int
 
 bool SettingsReader::boolean(const std::string& key) {
   const YAML::Node node = child(key, "true or false");
-  const bool plain = node.IsScalar() && (node.Scalar() == "true" || node.Scalar() == "false");
+  const bool plain = isPlain(node) && (node.Scalar() == "true" || node.Scalar() == "false");
   if (!plain) fail(key, describe(node), "true or false");
   return node.Scalar() == "true";
 }
@@ -217,7 +220,7 @@ std::vector<double> SettingsReader::numbers(const std::string& key, std::size_t 
   if (!node.IsSequence() || (count > 0 && node.size() != count)) fail(key, describe(node), allowed);
   std::vector<double> values(node.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const bool good = parseNumber(node[i], &values[i]) && values[i] >= range.low && values[i] <= range.high;
+    const bool good = readNumber(node[i], &values[i]) && values[i] >= range.low && values[i] <= range.high;
     if (!good) fail(key + "[" + std::to_string(i) + "]", describe(node[i]), each);
   }
   return values;
@@ -232,8 +235,7 @@ Quantity SettingsReader::quantity(const std::string& key, const std::string& uni
   reader.text("source");
   reader.finish();
   if (quantity.low() < range.low || quantity.high() > range.high) {
-    reader.fail("plus_minus", snapwing::common::number(quantity.plus_minus),
-                "value +- plus_minus within " + describeRange(range, unit));
+    reader.fail("plus_minus", toText(quantity.plus_minus), "value +- plus_minus within " + describeRange(range, unit));
   }
   return quantity;
 }
@@ -254,7 +256,10 @@ std::string SettingsReader::resolvePath(const std::string& path) const {
   fs::path file(path);
   if (!file.is_absolute()) {
     std::error_code gone;
-    file = fs::absolute(fs::path(where()).parent_path() / path, gone).lexically_normal();
+    // A pipe has no folder of its own: what it names lies relative to the working folder.
+    const bool pipe = fs::exists(where(), gone) && !fs::is_regular_file(where(), gone);
+    const fs::path folder = pipe ? fs::path() : fs::path(where()).parent_path();
+    file = fs::absolute(folder / path, gone).lexically_normal();
     if (gone) throw FileError(path, "the working folder does not exist any more");
   }
   impl_->files->push_back(file.string());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::common {
 
@@ -76,8 +77,7 @@ VehicleParameters realise(const Vehicle& vehicle, const ForceTable& table, const
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double coordinate = xi.empty() ? 0.0 : xi[i];
     if (!(coordinate >= -1.0 && coordinate <= 1.0)) {
-      throw Error("realise: coordinate of " + list[i].name + " is " + std::to_string(coordinate) +
-                  "; allowed: -1 .. 1");
+      throw Error("realise: coordinate of " + list[i].name + " is " + toText(coordinate) + "; allowed: -1 .. 1");
     }
     const Quantity quantity = list[i].of(vehicle);
     x[i] = quantity.value + coordinate * quantity.plus_minus;

@@ -1,8 +1,6 @@
 // HDF5 file of a wing table: one 1-D dataset per column with the attribute "unit", provenance as attributes of a group.
 #include <hdf5.h>
 
-#include <filesystem>
-
 #include "snapwing/common/error.h"
 #include "snapwing/common/hdf5_file.h"
 #include "snapwing/common/wing_table.h"
@@ -35,11 +33,8 @@ void readColumn(hid_t file, const char* name, const char* unit, std::vector<doub
   Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose, path, std::string("find the dataset ") + name);
   const std::string found = readAttribute(set, "unit", path);
   if (found != unit) throw FileError(path, std::string(name) + " is in '" + found + "'; allowed: '" + unit + "'");
-  Handle space(H5Dget_space(set), H5Sclose, path, "read a size");
-  const hssize_t size = H5Sget_simple_extent_npoints(space);
-  if (H5Sget_simple_extent_ndims(space) != 1 || size < 0) throw FileError(path, std::string(name) + " is no 1-D array");
-  values->resize(static_cast<std::size_t>(size));
-  if (size > 0) {
+  values->resize(hdf5::sizeOf(set, name, path));
+  if (!values->empty()) {
     check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values->data()), path, "read a column");
   }
 }
@@ -60,9 +55,8 @@ void saveWingTable(const WingTable& table, const std::string& path) {
 }
 
 WingTable loadWingTable(const std::string& path) {
-  if (!std::filesystem::exists(path)) throw FileError(path, "does not exist");
   QuietErrors quiet;
-  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open the file as HDF5");
+  Handle file(hdf5::openFile(path), H5Fclose, path, "open the file as HDF5");
   const std::string format = readAttribute(file, "format", path);
   if (format != FORMAT) {
     throw FileError(path, "format is '" + format + "'; allowed: '" + FORMAT +

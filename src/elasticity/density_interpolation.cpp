@@ -4,6 +4,7 @@
 #include <string>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::elasticity {
 
@@ -25,7 +26,7 @@ DensityInterpolation::Value DensityInterpolation::at(double density) const {
 
 void DensityInterpolation::validate() const {
   const auto check = [](bool good, const char* name, double value, const char* allowed) {
-    if (!good) throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);
+    if (!good) throw common::Error(std::string(name) + " is " + common::toText(value) + "; allowed: " + allowed);
   };
   check(void_stiffness > 0 && void_stiffness < 1, "void_stiffness", void_stiffness, "in (0, 1)");
   check(power >= 1 && power <= 10, "power", power, "1 .. 10");

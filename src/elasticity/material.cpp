@@ -4,12 +4,13 @@
 #include <string>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::elasticity {
 
 void Material::validate() const {
   const auto refuse = [](const char* name, double value, const char* allowed) {
-    throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);
+    throw common::Error(std::string(name) + " is " + common::toText(value) + "; allowed: " + allowed);
   };
   if (!std::isfinite(youngs_modulus) || youngs_modulus <= 0) refuse("youngs_modulus", youngs_modulus, "> 0 Pa");
   if (!(poisson_ratio >= 0 && poisson_ratio < 0.5)) refuse("poisson_ratio", poisson_ratio, "0 <= nu < 0.5");

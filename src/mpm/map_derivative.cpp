@@ -4,6 +4,7 @@
 #include <string>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::mpm {
 
@@ -12,7 +13,7 @@ using elasticity::Matrix;
 template <int D>
 void mapRule(const Matrix<D>& map, QuadratureRule<D>* rule) {
   if (!(map.determinant() > 0)) {
-    throw common::Error("map of a body: determinant is " + std::to_string(map.determinant()) + "; allowed: above 0");
+    throw common::Error("map of a body: determinant is " + common::toText(map.determinant()) + "; allowed: above 0");
   }
   const Matrix<D> turned = map.inverse().transpose();
   Eigen::Map<Eigen::Matrix<double, D, Eigen::Dynamic>> slope(rule->slope.data(), D,

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::nodes {
 
@@ -16,7 +17,8 @@ const std::set<std::string> LIBRARY_KEYS = {"diagnostic_period", "diagnostic_upd
 
 std::string rangeText(const common::Range& range, const std::string& unit) {
   std::ostringstream out;
-  out << "a number within [" << range.low << ", " << range.high << "] " << unit << " (written like 1.0e-3, not 1e-3)";
+  out << "a number within [" << common::toText(range.low) << ", " << common::toText(range.high) << "] " << unit
+      << " (written like 1.0e-3, not 1e-3)";
   return out.str();
 }
 
@@ -41,7 +43,14 @@ bool Params::present(const std::string& key) {
 
 void Params::fail(const std::string& key, const std::string& allowed) const {
   std::ostringstream value;
-  if (tree_.valid() && tree_.hasMember(key)) value << tree_[key];
+  if (tree_.valid() && tree_.hasMember(key)) {
+    XmlRpc::XmlRpcValue found = tree_[key];
+    if (found.getType() == XmlRpc::XmlRpcValue::TypeDouble) {
+      value << common::toText(static_cast<double&>(found));  // its own output has six decimals
+    } else {
+      value << found;
+    }
+  }
   throw common::SettingError(where_, where_ + "/" + key, value.str(), allowed);
 }
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::statics {
 
@@ -179,7 +180,7 @@ class ArcFollower {
 
 void validate(const ArcSettings& settings) {
   if (!(settings.first_step > 0))
-    throw common::Error("first_step is " + std::to_string(settings.first_step) + "; allowed: > 0");
+    throw common::Error("first_step is " + common::toText(settings.first_step) + "; allowed: > 0");
   if (settings.max_points < 2)
     throw common::Error("max_points is " + std::to_string(settings.max_points) + "; allowed: >= 2");
 }

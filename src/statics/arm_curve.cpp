@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 #include "snapwing/statics/arm_problem.h"
 
 namespace snapwing::statics {
@@ -47,7 +48,7 @@ std::vector<double> steps(double to, double step) {
 
 void ArmCurveSettings::validate() const {
   const auto refuse = [](const char* name, double value, const char* allowed) {
-    throw common::Error(std::string(name) + " is " + std::to_string(value) + " m; allowed: " + allowed);
+    throw common::Error(std::string(name) + " is " + common::toText(value) + " m; allowed: " + allowed);
   };
   if (!(from <= 0)) refuse("from", from, "<= 0");
   if (!(to > 0)) refuse("to", to, "> 0");

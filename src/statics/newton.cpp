@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 #include "snapwing/statics/conjugate_gradients.h"
 
 namespace snapwing::statics {
@@ -48,7 +49,7 @@ void NewtonSettings::validate() const {
   if (max_iterations < 1)
     throw common::Error("max_iterations is " + std::to_string(max_iterations) + "; allowed: >= 1");
   if (!(relative_tolerance > 0 && relative_tolerance <= 1e-2)) {
-    throw common::Error("relative_tolerance is " + std::to_string(relative_tolerance) + "; allowed: (0, 0.01]");
+    throw common::Error("relative_tolerance is " + common::toText(relative_tolerance) + "; allowed: (0, 0.01]");
   }
 }
 

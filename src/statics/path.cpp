@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::statics {
 
@@ -31,7 +32,7 @@ PathFollower::PathFollower(const Problem& problem, PathSettings settings)
     : problem_(problem), settings_(std::move(settings)), solver_(problem, settings_.newton) {
   if (problem.controlCount() != 1) throw common::Error("a path needs a problem with exactly one control");
   if (!(settings_.smallest_step > 0 && settings_.smallest_step <= 1)) {
-    throw common::Error("smallest_step is " + std::to_string(settings_.smallest_step) + "; allowed: (0, 1]");
+    throw common::Error("smallest_step is " + common::toText(settings_.smallest_step) + "; allowed: (0, 1]");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::statics {
 
@@ -93,7 +94,7 @@ class Elimination {
       }
     }
     if (std::abs(rest.constant) > 1e-12) {
-      throw common::Error("'" + equation.name + "' contradicts another support by " + std::to_string(rest.constant) +
+      throw common::Error("'" + equation.name + "' contradicts another support by " + common::toText(rest.constant) +
                           " m");
     }
   }

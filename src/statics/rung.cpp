@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <sstream>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::statics {
 
@@ -20,40 +19,35 @@ bool boundedAlongZ(const Box& box) { return std::isfinite(box.low(2)) || std::is
   throw common::Error(what + ": it has no meaning on the " + rung + " rung");
 }
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream text(line);
-  for (std::string field; std::getline(text, field, ',');) {
-    const auto first = field.find_first_not_of(" \t\r\""), last = field.find_last_not_of(" \t\r\"");
-    fields.push_back(first == std::string::npos ? "" : field.substr(first, last - first + 1));
-  }
-  return fields;
-}
-
 /// @return NaN if the text is no number
 double toNumber(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  return end == text.c_str() || *end != '\0' ? std::nan("") : value;
+  double value = std::nan("");
+  common::parseNumber(text, &value);
+  return value;
 }
 
 void readTrade(const std::string& path, std::vector<TradeRow>& rows) {
-  std::istringstream text(common::readFile(path));
   std::map<std::string, std::size_t> column;
-  for (std::string line; std::getline(text, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    const std::vector<std::string> fields = split(line);
+  std::size_t width = 0;
+  for (const common::TextRow& line : common::readCsv(path)) {
+    const std::vector<std::string>& fields = line.fields;
     if (column.empty()) {
-      for (std::size_t k = 0; k < fields.size(); ++k) column[fields[k]] = k;
+      width = fields.size();
+      for (std::size_t k = 0; k < width; ++k) column.emplace(fields[k], k);
       for (const char* name : {"scene", "rung", "kernel", "cell_size_m", "seconds"}) {
         if (!column.count(name)) return;
       }
       if (!column.count("error") && !column.count("error_percent")) return;
+      if (column.size() != width) throw common::FileError(path, "has two columns of one name");
       continue;
+    }
+    if (fields.size() != width) {
+      throw common::FileError(path, "line " + std::to_string(line.line) + " has " + std::to_string(fields.size()) +
+                                        " fields; allowed: the " + std::to_string(width) + " of the header");
     }
     const auto field = [&](const std::string& name) {
       const auto found = column.find(name);
-      return found == column.end() || found->second >= fields.size() ? std::string() : fields[found->second];
+      return found == column.end() ? std::string() : fields[found->second];
     };
     TradeRow row{field("scene"), field("rung"), field("kernel"), std::filesystem::path(path).filename().string()};
     row.cell_size = toNumber(field("cell_size_m"));

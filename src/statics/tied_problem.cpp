@@ -7,6 +7,7 @@
 #include <map>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::statics {
 
@@ -106,8 +107,8 @@ TiedProblem::TiedProblem(std::shared_ptr<const Problem> base, Ties ties, Drive d
   shared->gap_tolerance = gap_tolerance;
   shared->rho = penalty;
   if (!(penalty > 0) || !(gap_tolerance > 0)) {
-    throw common::Error("penalty and gap_tolerance of ties are " + std::to_string(penalty) + " N/m and " +
-                        std::to_string(gap_tolerance) + " m; allowed: > 0, on a problem with stiffness");
+    throw common::Error("penalty and gap_tolerance of ties are " + common::toText(penalty) + " N/m and " +
+                        common::toText(gap_tolerance) + " m; allowed: > 0, on a problem with stiffness");
   }
   buildPattern(*shared);
   shared_ = shared;

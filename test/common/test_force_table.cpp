@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <cmath>
 #include <filesystem>
@@ -121,6 +122,62 @@ TEST(ForceTable, FailedSaveLeavesTheOldFile) {
   EXPECT_EQ(sha256OfFile(path), before);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
   std::filesystem::remove_all(folder);
+}
+
+/// An attribute as h5py writes text: of variable length, in UTF-8.
+void addVariableText(hid_t object, const char* name, const char* text) {
+  const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  if (H5Aexists(object, name) > 0) H5Adelete(object, name);
+  const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Awrite(attribute, type, &text), 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Tclose(type);
+}
+
+/// @param values  written as they are, of `count` elements
+void addNumbers(hid_t object, const char* name, const std::vector<double>& values, bool scalar) {
+  const hsize_t count = values.size();
+  const hid_t space = scalar ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr);
+  const hid_t attribute = H5Acreate2(object, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT);
+  ASSERT_GE(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+}
+
+TEST(ForceTable, AttributesWrittenByOtherProgramsAreRead) {
+  const std::string path = ::testing::TempDir() + "snapwing_by_h5py.h5";
+  saveForceTable(cubicTable(), path);
+  hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  hid_t group = H5Gopen2(file, "provenance", H5P_DEFAULT);
+  addVariableText(group, "note", "checked against the bench, \xc3\xa4");
+  addVariableText(group, "empty", "");
+  addNumbers(group, "run", {0.25}, true);
+  const hid_t travel = H5Dopen2(file, "travel", H5P_DEFAULT);
+  addVariableText(travel, "unit", "m");
+  H5Dclose(travel);
+  H5Gclose(group);
+  H5Fclose(file);
+  const ForceTable table = loadForceTable(path);
+  EXPECT_EQ(table.provenance.at("note"), "checked against the bench, \xc3\xa4");
+  EXPECT_EQ(table.provenance.at("empty"), "");
+  EXPECT_EQ(table.provenance.at("run"), "0.25");
+  EXPECT_EQ(table.provenance.at("rung"), "closed form");
+
+  file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  group = H5Gopen2(file, "provenance", H5P_DEFAULT);
+  addNumbers(group, "several", {1, 2, 3}, false);
+  H5Gclose(group);
+  H5Fclose(file);
+  try {
+    loadForceTable(path);
+    ADD_FAILURE() << "was accepted";
+  } catch (const FileError& e) {
+    EXPECT_NE(std::string(e.what()).find("attribute several is neither one text nor one number"), std::string::npos)
+        << e.what();
+  }
 }
 
 }  // namespace

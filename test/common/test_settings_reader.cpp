@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "snapwing/common/error.h"
 #include "snapwing/common/settings_reader.h"
 
@@ -65,6 +67,55 @@ TEST(SettingsReader, BrokenFilesAreRefused) {
   expectParts(messageOf([] { reader(""); }), {"no YAML map"});
   expectParts(messageOf([] { reader("- 1"); }), {"no YAML map"});
   expectParts(messageOf([] { SettingsReader::fromFile("missing.yaml"); }), {"missing.yaml"});
+}
+
+TEST(SettingsReader, OneDocumentWithoutMergeKeysAndLoops) {
+  expectParts(messageOf([] { reader("a: 1\n---\na: 2\n"); }), {"test.yaml", "more than one YAML document"});
+  EXPECT_NO_THROW(reader("---\na: 1\n...\n"));
+  expectParts(messageOf([] { reader("a: 1\nb: &s {c: [*s]}\n"); }), {"line 2", "alias of itself"});
+  expectParts(messageOf([] { reader("a: &x {c: 1}\nb:\n  <<: *x\n"); }), {"line 3", "merge key"});
+  EXPECT_NO_THROW(reader("a: &x {c: 1}\nb: *x\n"));
+  std::string wide = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n", deep = "a: ";
+  for (int k = 1; k < 9; ++k) {
+    const std::string before = "*a" + std::to_string(k - 1), name = std::to_string(k);
+    wide += "a" + name + ": &a" + name + " [";
+    for (int n = 0; n < 10; ++n) wide += (n > 0 ? ", " : "") + before;
+    wide += "]\n";
+  }
+  expectParts(messageOf([&] { reader(wide); }), {"above a million"});
+  for (int k = 0; k < 200; ++k) deep += "[";
+  for (int k = 0; k < 200; ++k) deep += "]";
+  expectParts(messageOf([&] { reader(deep); }), {"100 levels"});
+}
+
+TEST(SettingsReader, NumbersHaveOneReading) {
+  SettingsReader r = reader("a: 010\nb: [1, 007.5]\nc: 0x10\nd: 1_000\ne: '010'\nf: 0.5\ng: -0\nh: 'true'");
+  expectParts(messageOf([&] { r.integer("a", 0, 100); }), {"a", "'010'", "leading zero"});
+  expectParts(messageOf([&] { r.number("a", {}, "m"); }), {"a", "'010'", "leading zero"});
+  expectParts(messageOf([&] { r.numbers("b", 2, {}, "m"); }), {"b[1]", "leading zero"});
+  expectParts(messageOf([&] { r.integer("c", 0, 100); }), {"c", "'0x10'"});
+  expectParts(messageOf([&] { r.integer("d", 0, 10000); }), {"d", "'1_000'"});
+  EXPECT_EQ(r.text("e"), "010");
+  EXPECT_DOUBLE_EQ(r.number("f", {}, ""), 0.5);
+  EXPECT_EQ(r.integer("g", -1, 1), 0);
+  expectParts(messageOf([&] { r.boolean("h"); }), {"h", "true or false"});
+}
+
+TEST(SettingsReader, MarksAndLineEndsOfOtherSystemsAreTaken) {
+  const std::string path = ::testing::TempDir() + "snapwing_line_ends.yaml";
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    std::ofstream(path, std::ios::binary) << "\xef\xbb\xbf"
+                                          << "a: 1" << end << "b: word" << end << "c:" << end << "  d: 2" << end;
+    SettingsReader r = SettingsReader::fromFile(path);
+    EXPECT_EQ(r.integer("a", 0, 9), 1);
+    EXPECT_EQ(r.text("b"), "word");
+    EXPECT_EQ(r.map("c").integer("d", 0, 9), 2);
+  }
+  std::ofstream(path, std::ios::binary) << std::string(
+      "\xff\xfe"
+      "a\0:\0",
+      6);
+  expectParts(messageOf([&] { SettingsReader::fromFile(path); }), {"UTF-16", "allowed: UTF-8"});
 }
 
 TEST(SettingsReader, QuantityNeedsUnitSourceAndRoomForItsSpread) {

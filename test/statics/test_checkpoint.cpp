@@ -86,6 +86,14 @@ TEST(Rung, TheCheapestMeasuredRowIsTaken) {
   EXPECT_THROW(chooseRow(rows, "beam", 0.001, {}), common::Error);
   EXPECT_THROW(chooseRow(rows, "nobody", 0.1, {}), common::Error);
   EXPECT_TRUE(loadTrade(folder + "/none").empty());
+  const std::string other = ::testing::TempDir() + "snapwing_trade_wrong",
+                    head = "seconds,scene,rung,kernel,cell_size_m,error";
+  std::filesystem::create_directories(other);
+  for (const std::string& text :
+       {head + "\n0,5,beam,planar,linear,4e-4,0.1\n", head + ",error\n0.5,beam,planar,linear,4e-4,1\n"}) {
+    common::writeFileAtomically(other + "/beam.csv", text);
+    EXPECT_THROW(loadTrade(other), common::FileError) << text;
+  }
 }
 
 TEST(Rung, ASolidAndItsSlice) {

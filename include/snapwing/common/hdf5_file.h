@@ -41,14 +41,23 @@ struct QuietErrors {
 /// @throws FileError "HDF5: cannot <what>" if the library reported failure
 void check(herr_t status, const std::string& path, const std::string& what);
 
+/// Opens a file for reading. HDF5 prints nothing from then on where the caller holds QuietErrors.
+/// @throws FileError if it is missing, no plain file (a pipe cannot be searched) or no HDF5
+hid_t openFile(const std::string& path);
+
+/// Number of elements of a dataset of one dimension. @throws FileError for another rank or more than can be meant
+std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& path);
+
 /// Text attribute of a group or dataset. @throws FileError
 void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
-/// @throws FileError if it is missing or no text of fixed length
+/// Reads what snapwing and h5py write: one text of fixed or variable length. @throws FileError for anything else
 std::string readAttribute(hid_t object, const std::string& name, const std::string& path);
 
 /// Group `provenance` of a file, one text attribute per entry. @throws FileError
 void writeProvenance(hid_t file, const std::map<std::string, std::string>& entries, const std::string& path);
-/// @throws FileError if the group is missing or an entry is no text
+/// All attributes of an object as text; one number is written out, "" stands for none. @throws FileError
+std::map<std::string, std::string> readNotes(hid_t object, const std::string& path);
+/// @throws FileError if the group is missing or an entry is neither one text nor one number
 std::map<std::string, std::string> readProvenance(hid_t file, const std::string& path);
 
 /// Has `fill` make a file in memory, then writes its bytes as writeFileAtomically does: HDF5 itself never meets a full
