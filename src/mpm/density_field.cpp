@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::mpm {
 
 namespace {
+
+constexpr int LARGEST_SIDE = 20000;         // cells: what no scene needs, and what a damaged file may claim
+constexpr double LARGEST_COUNT = 30000000;  // cells: as many as a body may take on its grid
 
 struct Entry {
   int i, j;
@@ -18,48 +20,80 @@ struct Entry {
 };
 
 std::vector<Entry> readEntries(const std::string& path) {
-  std::istringstream text(common::readFile(path));
+  const std::vector<common::TextRow> rows = common::readCsv(path);
+  if (rows.empty() || rows[0].fields != std::vector<std::string>{"i", "j", "rho"}) {
+    const std::string found = rows.empty() ? "the file has no line" : "it is '" + rows[0].text + "'";
+    throw common::FileError(path, "first line is not 'i,j,rho': " + found);
+  }
   std::vector<Entry> entries;
-  std::string line;
-  bool header = true;
-  for (int number = 1; std::getline(text, line); ++number) {
-    if (line.empty() || line[0] == '#') continue;
-    if (header) {
-      if (line.rfind("i,j,rho", 0) != 0) throw common::FileError(path, "first line is not 'i,j,rho'");
-      header = false;
-      continue;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const std::vector<std::string>& fields = rows[k].fields;
+    const auto refuse = [&](const std::string& why) {
+      throw common::FileError(path, "line " + std::to_string(rows[k].line) + " is '" + rows[k].text + "'; " + why);
+    };
+    if (fields.size() != 3) {
+      refuse("it has " + std::to_string(fields.size()) + " fields; allowed: i,j,rho, with a decimal point");
     }
-    std::istringstream fields(line);
     Entry e{};
-    char comma1 = 0, comma2 = 0;
-    fields >> e.i >> comma1 >> e.j >> comma2 >> e.density;
-    if (fields.fail() || comma1 != ',' || comma2 != ',' || e.i < 0 || e.j < 0 || e.i > 100000 || e.j > 100000 ||
-        !(e.density >= 0 && e.density <= 1)) {
-      throw common::FileError(path,
-                              "line " + std::to_string(number) + " is '" + line + "'; wanted i,j,rho with rho in 0..1");
+    if (!common::parseInteger(fields[0], &e.i) || !common::parseInteger(fields[1], &e.j) ||
+        !common::parseNumber(fields[2], &e.density)) {
+      refuse("allowed: i,j,rho with whole numbers i and j and a number rho, nothing else");
     }
+    if (e.i < 0 || e.j < 0 || e.i >= LARGEST_SIDE || e.j >= LARGEST_SIDE) {
+      refuse("allowed: i and j in 0 .. " + std::to_string(LARGEST_SIDE - 1));
+    }
+    if (!(e.density >= 0 && e.density <= 1)) refuse("allowed: rho in 0 .. 1");
     entries.push_back(e);
   }
   if (entries.empty()) throw common::FileError(path, "holds no cells");
   return entries;
 }
 
+/// Cells of the domain: as stated, else told by the listed cells, which then must reach all four sides.
+std::array<int, 2> cellsOf(const std::vector<Entry>& entries, std::array<int, 2> stated, const std::string& path) {
+  std::array<int, 2> low = {LARGEST_SIDE, LARGEST_SIDE}, high = {0, 0};
+  for (const Entry& e : entries) {
+    low = {std::min(low[0], e.i), std::min(low[1], e.j)};
+    high = {std::max(high[0], e.i + 1), std::max(high[1], e.j + 1)};
+  }
+  const auto size = [](const std::array<int, 2>& n) { return std::to_string(n[0]) + " x " + std::to_string(n[1]); };
+  if (stated[0] > 0) {
+    if (high[0] <= stated[0] && high[1] <= stated[1]) return stated;
+    throw common::FileError(
+        path, "lists cells up to " + size(high) + "; allowed: within the " + size(stated) + " cells that are stated");
+  }
+  if (low[0] == 0 && low[1] == 0) return high;
+  throw common::FileError(path, "lists no cell with " + std::string(low[0] > 0 ? "i" : "j") +
+                                    " = 0: with margins that are not listed, the number of cells of the domain cannot "
+                                    "be told; allowed: state it as cells: [along x, along y] beside the file, or list "
+                                    "the empty cells with rho 0");
+}
+
 }  // namespace
 
-DensityField loadDensityCsv(const std::string& path, double length, double height) {
-  const std::vector<Entry> entries = readEntries(path);
+DensityField emptyDensity(const std::string& path, std::size_t columns, std::size_t rows, double length,
+                          double height) {
+  const std::string size = std::to_string(columns) + " x " + std::to_string(rows);
+  if (columns < 1 || rows < 1 || columns > LARGEST_SIDE || rows > LARGEST_SIDE ||
+      static_cast<double>(columns) * static_cast<double>(rows) > LARGEST_COUNT) {
+    throw common::FileError(path, "holds " + size + " cells; allowed: 1 .. " + std::to_string(LARGEST_SIDE) +
+                                      " a side, " + common::toText(LARGEST_COUNT) + " in all");
+  }
   DensityField field;
-  for (const Entry& e : entries) {
-    field.cells[0] = std::max(field.cells[0], e.i + 1);
-    field.cells[1] = std::max(field.cells[1], e.j + 1);
+  field.cells = {static_cast<int>(columns), static_cast<int>(rows)};
+  field.cell_size = length / static_cast<double>(columns);
+  if (!(std::abs(field.cell_size * static_cast<double>(rows) - height) <= 1e-6 * height)) {
+    throw common::FileError(path, size + " cells are not square on a domain of " + common::toText(length) + " x " +
+                                      common::toText(height) + " m");
   }
-  field.cell_size = length / field.cells[0];
-  if (std::abs(field.cell_size * field.cells[1] - height) > 1e-6 * height) {
-    throw common::FileError(path, std::to_string(field.cells[0]) + " x " + std::to_string(field.cells[1]) +
-                                      " cells are not square on a domain of " + std::to_string(length) + " x " +
-                                      std::to_string(height) + " m");
-  }
-  field.value.assign(static_cast<std::size_t>(field.cells[0]) * field.cells[1], -1.0);
+  field.value.assign(columns * rows, -1.0);
+  return field;
+}
+
+DensityField loadDensityCsv(const std::string& path, double length, double height, std::array<int, 2> cells) {
+  const std::vector<Entry> entries = readEntries(path);
+  const std::array<int, 2> size = cellsOf(entries, cells, path);
+  DensityField field = emptyDensity(path, size[0], size[1], length, height);
   for (const Entry& e : entries) {
     double& value = field.value[static_cast<std::size_t>(e.j) * field.cells[0] + e.i];
     if (value >= 0) {
@@ -77,7 +111,7 @@ DensityField DensityField::resampled(double new_cell_size) const {
     const double count = cells[a] * cell_size / new_cell_size;
     result.cells[a] = static_cast<int>(std::lround(count));
     if (result.cells[a] < 1 || std::abs(count - result.cells[a]) > 1e-6 * count) {
-      throw common::Error("cell size " + std::to_string(new_cell_size) +
+      throw common::Error("cell size " + common::toText(new_cell_size) +
                           " m does not divide the domain; allowed: its extent over a whole number");
     }
   }

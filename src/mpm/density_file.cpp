@@ -2,7 +2,6 @@
 
 #include <png.h>
 
-#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -10,6 +9,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/hdf5_file.h"
+#include "snapwing/common/plain_text.h"
 #include "snapwing/common/provenance.h"
 
 namespace snapwing::mpm {
@@ -17,25 +17,6 @@ namespace snapwing::mpm {
 namespace {
 
 using common::FileError;
-
-constexpr int LARGEST_SIDE = 20000;  // cells: what no scene needs, and what a damaged header may claim
-
-DensityField emptyField(const std::string& path, std::size_t columns, std::size_t rows, double length, double height) {
-  if (columns < 1 || rows < 1 || columns > LARGEST_SIDE || rows > LARGEST_SIDE) {
-    throw FileError(path, "holds " + std::to_string(columns) + " x " + std::to_string(rows) + " cells; allowed: 1 .. " +
-                              std::to_string(LARGEST_SIDE) + " a side");
-  }
-  DensityField field;
-  field.cells = {static_cast<int>(columns), static_cast<int>(rows)};
-  field.cell_size = length / static_cast<double>(columns);
-  if (std::abs(field.cell_size * static_cast<double>(rows) - height) > 1e-6 * height) {
-    throw FileError(path, std::to_string(columns) + " x " + std::to_string(rows) +
-                              " cells are not square on a domain of " + std::to_string(length) + " x " +
-                              std::to_string(height) + " m");
-  }
-  field.value.assign(columns * rows, -1.0);
-  return field;
-}
 
 /// What libpng keeps while it reads from memory. Its errors jump back to `leave`; nothing with a destructor may be made
 /// between setjmp and the jump.
@@ -45,6 +26,7 @@ struct PngReading {
   char message[128] = "";
   png_structp png = nullptr;
   png_infop info = nullptr;
+  bool transparent = false;  ///< one grey counts as transparent
 
   ~PngReading() {
     if (png) png_destroy_read_struct(&png, info ? &info : nullptr, nullptr);
@@ -67,6 +49,7 @@ struct PngReading {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_read_fn(png, this, take);
     png_read_info(png, info);
+    transparent = png_get_valid(png, info, PNG_INFO_tRNS) != 0;
     if (png_get_color_type(png, info) != PNG_COLOR_TYPE_GRAY) return true;
     png_set_expand_gray_1_2_4_to_8(png);
     png_set_interlace_handling(png);
@@ -115,9 +98,12 @@ DensityField loadDensityPng(const std::string& path, double length, double heigh
   if (!reading.readHeader()) throw FileError(path, std::string("is no PNG that can be read: ") + reading.message);
   const int type = png_get_color_type(reading.png, reading.info);
   if (type != PNG_COLOR_TYPE_GRAY) throw FileError(path, "has " + colourName(type) + "; allowed: grey without alpha");
+  if (reading.transparent) {
+    throw FileError(path, "has a grey that counts as transparent (tRNS); allowed: grey without transparency");
+  }
   const std::size_t columns = png_get_image_width(reading.png, reading.info),
                     rows = png_get_image_height(reading.png, reading.info);
-  DensityField field = emptyField(path, columns, rows, length, height);
+  DensityField field = emptyDensity(path, columns, rows, length, height);
   const bool wide = png_get_bit_depth(reading.png, reading.info) == 16;
   const std::size_t row_bytes = png_get_rowbytes(reading.png, reading.info);
   std::vector<png_byte> pixels(row_bytes * rows);
@@ -136,17 +122,17 @@ DensityField loadDensityPng(const std::string& path, double length, double heigh
 
 DensityField loadDensityHdf5(const std::string& path, const std::string& dataset, double length, double height) {
   const common::hdf5::QuietErrors quiet;
-  const common::hdf5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open the file");
+  const common::hdf5::Handle file(common::hdf5::openFile(path), H5Fclose, path, "open the file");
   const common::hdf5::Handle data(H5Dopen2(file, dataset.c_str(), H5P_DEFAULT), H5Dclose, path,
                                   "find dataset '" + dataset + "'");
   const std::array<hsize_t, 2> size = shapeOf(data, path, dataset);
-  DensityField field = emptyField(path, size[1], size[0], length, height);
+  DensityField field = emptyDensity(path, size[1], size[0], length, height);
   common::hdf5::check(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.value.data()), path,
                       "read dataset '" + dataset + "'");
   for (std::size_t k = 0; k < field.value.size(); ++k) {
     double& value = field.value[k];
     if (!(value <= 1)) {
-      throw FileError(path, "dataset '" + dataset + "' is " + std::to_string(value) + " at row " +
+      throw FileError(path, "dataset '" + dataset + "' is " + common::toText(value) + " at row " +
                                 std::to_string(k / size[1]) + ", column " + std::to_string(k % size[1]) +
                                 "; allowed: 0 .. 1, or negative where there is no cell");
     }

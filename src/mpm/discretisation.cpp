@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::mpm {
 
@@ -152,7 +153,7 @@ void Discretisation<D>::setDensities(const std::vector<double>& densities) {
   }
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     if (!(densities[c] >= 0 && densities[c] <= 1)) {
-      throw common::Error("density of cell " + std::to_string(c) + " is " + std::to_string(densities[c]) +
+      throw common::Error("density of cell " + std::to_string(c) + " is " + common::toText(densities[c]) +
                           "; allowed: 0 .. 1");
     }
     cells_[c].density = densities[c];

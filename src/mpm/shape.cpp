@@ -13,6 +13,7 @@ class BoxShape : public Shape {
   explicit BoxShape(const Box& box) : box_(box) {}
   bool contains(const Point3& p) const override { return box_.contains(p); }
   Box bounds() const override { return box_; }
+  const Box* asBox() const override { return &box_; }
 
  private:
   Box box_;

@@ -3,92 +3,57 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <map>
-#include <sstream>
 #include <utility>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::mpm {
 
 namespace {
 
-using common::FileError;
-
-/// Gathers corners; equal places share a number.
-class Welder {
- public:
-  explicit Welder(double unit) : unit_(unit) {}
-  int add(const std::array<float, 3>& corner) {
-    // -0 and 0 are the same place.
-    const std::array<float, 3> key = {corner[0] + 0.0f, corner[1] + 0.0f, corner[2] + 0.0f};
-    const auto [entry, fresh] = numbers_.emplace(key, static_cast<int>(mesh.vertices.size()));
-    if (fresh) mesh.vertices.push_back(unit_ * Point3(corner[0], corner[1], corner[2]));
-    return entry->second;
-  }
-  TriangleMesh mesh;
-
- private:
-  double unit_;
-  std::map<std::array<float, 3>, int> numbers_;
-};
-
-bool finite(const std::array<float, 3>& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
-
-TriangleMesh readBinary(const std::string& path, const std::string& bytes, double unit) {
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + 80, 4);
-  Welder welder(unit);
-  for (std::uint32_t t = 0; t < count; ++t) {
-    std::array<int, 3> triangle{};
-    for (int k = 0; k < 3; ++k) {
-      std::array<float, 3> corner{};
-      std::memcpy(corner.data(), bytes.data() + 84 + 50 * static_cast<std::size_t>(t) + 12 + 12 * k, 12);
-      if (!finite(corner)) throw FileError(path, "triangle " + std::to_string(t) + " has a corner that is not finite");
-      triangle[k] = welder.add(corner);
-    }
-    welder.mesh.triangles.push_back(triangle);
-  }
-  return std::move(welder.mesh);
+/// Signed volume of the cone from a triangle to the first vertex; they add up to that of a closed surface.
+double coneVolume(const TriangleMesh& mesh, const std::array<int, 3>& t) {
+  const Point3 a = mesh.vertices[t[0]] - mesh.vertices[0], b = mesh.vertices[t[1]] - mesh.vertices[0],
+               c = mesh.vertices[t[2]] - mesh.vertices[0];
+  return a.dot(b.cross(c)) / 6;
 }
 
-TriangleMesh readAscii(const std::string& path, const std::string& bytes, double unit) {
-  Welder welder(unit);
-  std::istringstream text(bytes);
-  std::string line, word;
-  std::vector<int> corners;
-  for (int number = 1; std::getline(text, line); ++number) {
-    std::istringstream words(line);
-    if (!(words >> word)) continue;
-    if (word == "vertex") {
-      std::array<float, 3> p{};
-      if (!(words >> p[0] >> p[1] >> p[2]) || !finite(p)) {
-        throw FileError(path, "line " + std::to_string(number) + " is '" + line + "'; wanted vertex x y z");
-      }
-      corners.push_back(welder.add(p));
-    } else if (word == "endfacet") {
-      if (corners.size() != 3) {
-        throw FileError(path, "the facet that ends in line " + std::to_string(number) + " has " +
-                                  std::to_string(corners.size()) + " corners; allowed: 3");
-      }
-      welder.mesh.triangles.push_back({corners[0], corners[1], corners[2]});
-      corners.clear();
-    }
-  }
-  if (!corners.empty() || bytes.find("endsolid") == std::string::npos) {
-    throw FileError(path, "ends in the middle: no 'endsolid'");
-  }
-  return std::move(welder.mesh);
+double volumeOf(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const std::array<int, 3>& t : mesh.triangles) sum += coneVolume(mesh, t);
+  return sum;
 }
 
-/// Parity of the crossings above a point, looked up by column. Each triangle's shadow on the xy plane is a half-open
-/// set whose edges are computed alike for both neighbours, so that shadows tile the plane without gaps or overlaps.
+/// Number of the shell of each triangle: shells share no vertex.
+std::vector<int> shellsOf(const TriangleMesh& mesh, int* count) {
+  std::vector<int> root(mesh.vertices.size());
+  for (std::size_t v = 0; v < root.size(); ++v) root[v] = static_cast<int>(v);
+  const auto find = [&](int v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (const std::array<int, 3>& t : mesh.triangles) {
+    root[find(t[0])] = find(t[1]);
+    root[find(t[1])] = find(t[2]);
+  }
+  std::map<int, int> numbers;
+  std::vector<int> shell;
+  for (const std::array<int, 3>& t : mesh.triangles) {
+    shell.push_back(numbers.emplace(find(t[0]), static_cast<int>(numbers.size())).first->second);
+  }
+  *count = static_cast<int>(numbers.size());
+  return shell;
+}
+
+/// A point is inside if the surface winds around it, counted by the crossings above it and looked up by column: shells
+/// in shells of equal sense are their union, one turned inside out is a hole. Each triangle's shadow on the xy plane is
+/// a half-open set whose edges are computed alike for both neighbours, so that shadows tile the plane without gaps or
+/// overlaps.
 class MeshShape : public Shape {
  public:
-  explicit MeshShape(TriangleMesh mesh) : mesh_(std::move(mesh)) {
+  explicit MeshShape(TriangleMesh mesh) : mesh_(std::move(mesh)), outward_(volumeOf(mesh_) < 0 ? -1 : 1) {
     box_.low = box_.high = mesh_.vertices[0];
     for (const Point3& v : mesh_.vertices) {
       box_.low = box_.low.cwiseMin(v);
@@ -110,14 +75,19 @@ class MeshShape : public Shape {
     }
   }
 
-  bool contains(const Point3& p) const override {
-    if (!box_.contains(p)) return false;
-    bool inside = false;
+  bool contains(const Point3& p) const override { return winding(p, {}, -1) > 0; }
+  /// How often the surface winds around a point. @param shell  of each triangle; the shell `skipped` does not count
+  int winding(const Point3& p, const std::vector<int>& shell, int skipped) const {
+    if (!box_.contains(p)) return 0;
+    int turns = 0;
     for (const int t : bins_[static_cast<std::size_t>(bin(p(1), 1)) * columns_ + bin(p(0), 0)]) {
-      if (shadows(t, p) && heightAt(t, p) > p(2)) inside = !inside;
+      if (!shell.empty() && shell[t] == skipped) continue;
+      if (shadows(t, p) && heightAt(t, p) > p(2)) turns += turnsUp(t) ? 1 : -1;
     }
-    return inside;
+    return outward_ * turns;
   }
+  /// 1, or -1 if the mesh as a whole is turned inside out.
+  int outward() const { return outward_; }
   Box bounds() const override { return box_; }
 
  private:
@@ -145,30 +115,19 @@ class MeshShape : public Shape {
     return corner(t, 0)(2) - (normal(0) * d(0) + normal(1) * d(1)) / normal(2);
   }
 
+  bool turnsUp(std::size_t t) const {
+    const Point3 a = corner(t, 1) - corner(t, 0), b = corner(t, 2) - corner(t, 0);
+    return a(0) * b(1) - a(1) * b(0) > 0;
+  }
+
   TriangleMesh mesh_;
+  int outward_ = 1;
   Box box_;
   int columns_ = 1;
   std::vector<std::vector<int>> bins_;
 };
 
 }  // namespace
-
-TriangleMesh readStl(const std::string& path, double unit) {
-  const std::string bytes = common::readFile(path);
-  // Binary files may begin with "solid", too: their length decides.
-  std::uint32_t count = 0;
-  if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  TriangleMesh mesh;
-  if (bytes.size() >= 84 && bytes.size() == 84 + 50 * static_cast<std::size_t>(count)) {
-    mesh = readBinary(path, bytes, unit);
-  } else if (bytes.compare(0, 5, "solid") == 0 && bytes.find("facet") != std::string::npos) {
-    mesh = readAscii(path, bytes, unit);
-  } else {
-    throw FileError(path, "is no STL: neither 'solid' with facets, nor binary of the length that its header states");
-  }
-  if (mesh.triangles.empty()) throw FileError(path, "holds no triangles");
-  return mesh;
-}
 
 MeshDefects findDefects(const TriangleMesh& mesh) {
   MeshDefects defects;
@@ -193,6 +152,30 @@ MeshDefects findDefects(const TriangleMesh& mesh) {
   return defects;
 }
 
+namespace {
+
+/// A shell turned inside out is a hole, and there must be something to take it from.
+void requireHolesInSolids(const TriangleMesh& mesh, const MeshShape& shape, const std::string& name) {
+  int count = 0;
+  const std::vector<int> shell = shellsOf(mesh, &count);
+  if (count == 1) return;
+  std::vector<double> volume(count, 0.0);
+  std::vector<int> corner(count, -1);
+  for (std::size_t t = 0; t < shell.size(); ++t) {
+    volume[shell[t]] += shape.outward() * coneVolume(mesh, mesh.triangles[t]);
+    if (corner[shell[t]] < 0) corner[shell[t]] = mesh.triangles[t][0];
+  }
+  for (int k = 0; k < count; ++k) {
+    const Point3& place = mesh.vertices[corner[k]];
+    if (volume[k] >= 0 || shape.winding(place, shell, k) > 0) continue;
+    throw common::Error(name + ": the shell with a corner at (" + common::toText(place(0)) + ", " +
+                        common::toText(place(1)) + ", " + common::toText(place(2)) +
+                        ") m is turned inside out and lies in no other; allowed: holes within solids");
+  }
+}
+
+}  // namespace
+
 ShapePtr makeMesh(TriangleMesh mesh, const std::string& name) {
   const MeshDefects d = findDefects(mesh);
   if (mesh.triangles.empty() || d.open + d.shared_more + d.turned + d.degenerate > 0) {
@@ -201,7 +184,9 @@ ShapePtr makeMesh(TriangleMesh mesh, const std::string& name) {
                         std::to_string(d.turned) + " edges between triangles turned against each other, " +
                         std::to_string(d.degenerate) + " triangles without area; allowed: none of them");
   }
-  return std::make_shared<MeshShape>(std::move(mesh));
+  const auto shape = std::make_shared<MeshShape>(mesh);
+  requireHolesInSolids(mesh, *shape, name);
+  return shape;
 }
 
 ShapePtr loadStl(const std::string& path, double unit) { return makeMesh(readStl(path, unit), path); }

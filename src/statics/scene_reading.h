@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/common/plain_text.h"
 #include "snapwing/common/settings_reader.h"
 #include "snapwing/statics/scene.h"
 
@@ -54,7 +55,7 @@ struct Reading {
       if (!m.has(names[a])) continue;
       const std::vector<double> ends = m.numbers(names[a], 2, {-HUGE_LENGTH, HUGE_LENGTH}, unit_name);
       if (ends[1] < ends[0])
-        m.fail(names[a], "[" + std::to_string(ends[0]) + ", " + std::to_string(ends[1]) + "]", "[low, high]");
+        m.fail(names[a], "[" + common::toText(ends[0]) + ", " + common::toText(ends[1]) + "]", "[low, high]");
       result.low(a) = unit * ends[0];
       result.high(a) = unit * ends[1];
     }

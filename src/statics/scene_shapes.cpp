@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene_reading.h"
+#include "snapwing/common/plain_text.h"
 #include "snapwing/mpm/density_file.h"
 #include "snapwing/mpm/triangle_mesh.h"
 
@@ -109,6 +110,14 @@ void readMaterial(SettingsReader& r, SceneBody& body) {
   m.finish();
 }
 
+std::array<int, 2> readCells(SettingsReader& r) {
+  const std::vector<double> given = r.numbers("cells", 2, {1, 20000}, "");
+  for (const double n : given) {
+    if (n != std::floor(n)) r.fail("cells", common::toText(n), "two whole numbers: cells along x and along y");
+  }
+  return {static_cast<int>(given[0]), static_cast<int>(given[1])};
+}
+
 mpm::DensityField readDensity(SettingsReader& r, const Reading& in) {
   SettingsReader m = r.map("density");
   const double length = in.positive(m, "length"), height = in.positive(m, "height");
@@ -120,7 +129,7 @@ mpm::DensityField readDensity(SettingsReader& r, const Reading& in) {
   } else if (ending == "h5") {
     field = mpm::loadDensityHdf5(file, m.textOr("dataset", "density"), length, height);
   } else if (ending == "csv") {
-    field = mpm::loadDensityCsv(file, length, height);
+    field = mpm::loadDensityCsv(file, length, height, m.has("cells") ? readCells(m) : std::array<int, 2>{0, 0});
   } else {
     m.fail("file", "'" + file + "'", "a name that ends in .csv, .h5 or .png");
   }

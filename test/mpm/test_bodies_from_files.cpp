@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -144,6 +145,88 @@ TEST(Stl, DefectsAreCounted) {
   EXPECT_EQ(findDefects(mesh).degenerate, 1);
 }
 
+/// A copy of a mesh, smaller by `factor`, moved, perhaps turned inside out.
+TriangleMesh with(TriangleMesh mesh, const TriangleMesh& other, double factor, const Point3& shift, bool turned) {
+  const int first = static_cast<int>(mesh.vertices.size());
+  for (const Point3& v : other.vertices) mesh.vertices.push_back(factor * v + shift);
+  for (std::array<int, 3> t : other.triangles) {
+    if (turned) std::swap(t[1], t[2]);
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return mesh;
+}
+
+TEST(Stl, ShellsOfEqualSenseAreTheirUnion) {
+  const Point3 within(0.5, 0.25, 0.75), middle = within + 0.5 * Point3(0.9, 0.4, 1.3), shell(0.1, 0.1, 0.1);
+  const ShapePtr both = makeMesh(with(boxMesh(), boxMesh(), 0.5, within, false), "nested");
+  EXPECT_TRUE(both->contains(middle));
+  EXPECT_TRUE(both->contains(shell));
+  const ShapePtr hole = makeMesh(with(boxMesh(), boxMesh(), 0.5, within, true), "hole");
+  EXPECT_FALSE(hole->contains(middle));
+  EXPECT_TRUE(hole->contains(shell));
+  // Two that overlap, and an island within the hole.
+  const ShapePtr overlapping = makeMesh(with(boxMesh(), boxMesh(), 1, Point3(1, 0.5, 1), false), "overlapping");
+  EXPECT_TRUE(overlapping->contains(Point3(1.5, 0.7, 2)));
+  EXPECT_TRUE(overlapping->contains(Point3(2.5, 1.2, 2)));
+  EXPECT_FALSE(overlapping->contains(Point3(2.5, 0.2, 2)));
+  const ShapePtr island =
+      makeMesh(with(with(boxMesh(), boxMesh(), 0.5, within, true), boxMesh(), 0.1, middle, false), "island");
+  EXPECT_TRUE(island->contains(middle + Point3(0.1, 0.05, 0.1)));
+  EXPECT_FALSE(island->contains(middle - Point3(0.1, 0.05, 0.1)));
+  // Inside out as a whole: the same body.
+  TriangleMesh turned = with(boxMesh(), boxMesh(), 0.5, within, true);
+  for (std::array<int, 3>& t : turned.triangles) std::swap(t[1], t[2]);
+  EXPECT_FALSE(makeMesh(turned, "turned")->contains(middle));
+  EXPECT_TRUE(makeMesh(turned, "turned")->contains(shell));
+  EXPECT_NE(reasonOf([&] {
+              makeMesh(with(boxMesh(), boxMesh(), 0.5, Point3(5, 0, 0), true), "lost.stl");
+            }).find("lost.stl: the shell with a corner at (5, 0, 0) m is turned inside out and lies in no other"),
+            std::string::npos);
+}
+
+/// Text as other programs write it: capitals, blanks and tabs before words, line ends of other systems, several solids,
+/// a name with words of its own, no name.
+TEST(Stl, TextFormsOfOtherProgramsAreRead) {
+  std::ifstream in(writeStl("plain.stl", boxMesh(), false));
+  std::stringstream bytes;
+  bytes << in.rdbuf();
+  const std::string plain = bytes.str();
+  std::string capitals = plain, tabs, carriage, single, named = plain, one_line;
+  for (char& c : capitals) c = static_cast<char>(std::toupper(c));
+  for (const char c : plain) {
+    tabs += c == '\n' ? " \t\n" : c == ' ' ? "\t " : std::string(1, c);
+    carriage += c == '\n' ? "\r\n" : std::string(1, c);
+    single += c == '\n' ? '\r' : c;
+  }
+  named.replace(0, 10, "solid facet of vertex 7");
+  named.replace(named.find("endsolid body"), 13, "endsolid");
+  std::string two = plain;
+  two.insert(two.find(" facet", 400), "endsolid body\nsolid rest\n");
+  const std::string path = temporary("form.stl");
+  const TriangleMesh expected = readStl(writeStl("same.stl", boxMesh(), true), 1);
+  for (const std::string& form :
+       {capitals, tabs, carriage, single, named, two, " \t\n" + plain, "\xef\xbb\xbf" + plain}) {
+    std::ofstream(path, std::ios::binary) << form;
+    const TriangleMesh mesh = readStl(path, 1);
+    EXPECT_EQ(mesh.triangles, expected.triangles) << form.substr(0, 60);
+    EXPECT_EQ(mesh.vertices.size(), 8u) << form.substr(0, 60);
+  }
+  const auto refusal = [&](const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+    return reasonOf([&] { readStl(path, 1); });
+  };
+  std::string wrong = plain;
+  wrong.replace(wrong.find("outer loop"), 10, "innen ring");
+  EXPECT_NE(refusal(wrong).find("line 3"), std::string::npos) << refusal(wrong);
+  EXPECT_NE(refusal(wrong).find("the word 'innen' is not understood"), std::string::npos) << refusal(wrong);
+  wrong = plain;
+  wrong.replace(wrong.find("vertex 0 0 0"), 12, "vertex 0,0 0");
+  EXPECT_NE(refusal(wrong).find("line 4"), std::string::npos) << refusal(wrong);
+  wrong = plain;
+  wrong.insert(wrong.find("endsolid"), "solid again\n");
+  EXPECT_NE(refusal(wrong).find("'endsolid' is wanted"), std::string::npos) << refusal(wrong);
+}
+
 TEST(Stl, DamagedFilesAreRefused) {
   const std::string good = writeStl("cut.stl", boxMesh(), true);
   std::ifstream in(good, std::ios::binary);
@@ -162,8 +245,8 @@ TEST(Stl, DamagedFilesAreRefused) {
 }
 
 /// @param values  bytes of rows from the top, big-endian if 16 bits
-std::string writePng(const std::string& name, int columns, int rows, int depth, int type,
-                     std::vector<png_byte> values) {
+std::string writePng(const std::string& name, int columns, int rows, int depth, int type, std::vector<png_byte> values,
+                     bool transparent = false) {
   const std::string path = temporary(name);
   std::FILE* file = std::fopen(path.c_str(), "wb");
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -173,6 +256,8 @@ std::string writePng(const std::string& name, int columns, int rows, int depth, 
                PNG_FILTER_TYPE_DEFAULT);
   const png_color black_and_white[] = {{0, 0, 0}, {255, 255, 255}};
   if (type == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, black_and_white, 2);
+  png_color_16 grey{};
+  if (transparent) png_set_tRNS(png, info, nullptr, 1, &grey);
   png_write_info(png, info);
   const std::size_t row_bytes = values.size() / rows;
   for (int j = 0; j < rows; ++j) png_write_row(png, values.data() + j * row_bytes);
@@ -206,6 +291,8 @@ TEST(Png, WhatIsNotGreyOrNotWholeIsRefused) {
             std::string::npos);
   EXPECT_NE(refusal(writePng("alpha.png", 2, 1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {0, 9, 0, 9})).find("alpha"),
             std::string::npos);
+  const std::string transparent = writePng("trns.png", 2, 1, 8, PNG_COLOR_TYPE_GRAY, {0, 9}, true);
+  EXPECT_NE(refusal(transparent).find("transparent (tRNS)"), std::string::npos) << refusal(transparent);
   EXPECT_NE(refusal(writePng("shape.png", 1, 1, 8, PNG_COLOR_TYPE_GRAY, {0})).find("not square"), std::string::npos);
   const std::string good = writePng("cut.png", 2, 1, 8, PNG_COLOR_TYPE_GRAY, {0, 9});
   std::ifstream in(good, std::ios::binary);
@@ -244,6 +331,8 @@ TEST(Hdf5Density, WrongDataIsRefused) {
   };
   EXPECT_NE(refusal(writeHdf5("r.h5", {2}, {0, 1}), "density").find("1 dimensions"), std::string::npos);
   EXPECT_NE(refusal(writeHdf5("v.h5", {1, 2}, {0, 1.5}), "density").find("row 0, column 1"), std::string::npos);
+  const std::string above = refusal(writeHdf5("v.h5", {1, 2}, {0, 1.0000001}), "density");
+  EXPECT_NE(above.find("1.0000001"), std::string::npos) << above;
   EXPECT_NE(refusal(writeHdf5("v.h5", {1, 2}, {0, NAN}), "density").find("nan"), std::string::npos);
   EXPECT_NE(refusal(writeHdf5("n.h5", {1, 2}, {0, 1}), "rho").find("'rho'"), std::string::npos);
   EXPECT_NE(refusal(writeHdf5("s.h5", {1, 3}, {0, 1, 1}), "density").find("not square"), std::string::npos);

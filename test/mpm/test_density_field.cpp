@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <utility>
+#include <vector>
 
 #include "snapwing/common/error.h"
 #include "snapwing/mpm/density_field.h"
@@ -79,6 +81,57 @@ TEST(DensityField, RefusesBadFiles) {
   EXPECT_THROW(loadDensityCsv(writeFile("d.csv", "i,j,rho\n0,0,1\n1,0,1\n"), 1, 1), common::FileError);
   EXPECT_THROW(loadDensityCsv(writeFile("e.csv", "i,j,rho\n0,zero,1\n"), 1, 1), common::FileError);
   EXPECT_NO_THROW(loadDensityCsv(writeFile("f.csv", "# c\ni,j,rho\n0,0,1\n1,0,0.5\n"), 2, 1));
+}
+
+/// What `action` is refused with.
+template <class Action>
+std::string refusalOf(Action action) {
+  try {
+    action();
+  } catch (const common::FileError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+/// What another program would read differently is refused with its line.
+TEST(DensityCsv, RowsAreStrict) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"i,j,rho\n0,0,1\n1,0,0,85\n", "line 3 is '1,0,0,85'; it has 4 fields"},
+      {"i,j,rho\n0,0,1\n1,0,1abc\n", "line 3 is '1,0,1abc'"},
+      {"i,j,rho\n0,0,1\n1;0;1\n", "line 3"},
+      {"i,j,rho\n0,0,1\n1.0,0,1\n", "line 3"},
+      {"i,j,rho\n0,0,1\n1,0,1.0000001\n", "'1,0,1.0000001'; allowed: rho in 0 .. 1"},
+      {"i,j,rho\n0,0,1\n1,0,nan\n", "line 3"},
+      {"i,j,rho\n0,0,1\n1,0,\n", "line 3"},
+      {"i,j,rho\n0,0,1\n-1,0,1\n", "line 3"},
+      {"i,j,rho\n0,0,1\n99999,0,1\n", "line 3"},
+      {"i,j,rhombus\n0,0,1\n1,0,1\n", "first line is not 'i,j,rho': it is 'i,j,rhombus'"},
+      {"i,j,rho,x\n0,0,1\n1,0,1\n", "first line is not 'i,j,rho'"},
+      {"# only remarks\n", "the file has no line"},
+      {"i,j,rho\n", "holds no cells"}};
+  for (const auto& [text, part] : cases) {
+    const std::string path = writeFile("strict.csv", text);
+    const std::string refusal = refusalOf([&] { loadDensityCsv(path, 2, 1); });
+    EXPECT_NE(refusal.find(part), std::string::npos) << text << refusal;
+  }
+  const std::string other =
+      writeFile("windows.csv", "\xef\xbb\xbf# remark\r\ni, j, rho\r\n0,0,1\r\n 1 ,0,\t0.5\r\n\r\n");
+  EXPECT_EQ(loadDensityCsv(other, 2, 1).value, (std::vector<double>{1, 0.5}));
+}
+
+/// Cells that are not listed are empty: a body in empty margins is not stretched over the domain.
+TEST(DensityCsv, MarginsNeedTheNumberOfCells) {
+  const std::string inner = writeFile("inner.csv", "i,j,rho\n1,1,1\n2,1,0.5\n1,2,1\n2,2,1\n");
+  const std::string refusal = refusalOf([&] { loadDensityCsv(inner, 4, 4); });
+  EXPECT_NE(refusal.find("no cell with i = 0"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("cells: [along x, along y]"), std::string::npos) << refusal;
+  const DensityField field = loadDensityCsv(inner, 4, 4, {4, 4});
+  EXPECT_DOUBLE_EQ(field.cell_size, 1);
+  EXPECT_FALSE(field.present(0, 1));
+  EXPECT_FALSE(field.present(3, 2));
+  EXPECT_DOUBLE_EQ(field.at(2, 1), 0.5);
+  EXPECT_NE(refusalOf([&] { loadDensityCsv(inner, 2, 2, {2, 2}); }).find("lists cells up to 3 x 3"), std::string::npos);
 }
 
 }  // namespace

@@ -21,10 +21,16 @@ struct DensityField {
   DensityField resampled(double new_cell_size) const;
 };
 
-/// Reads lines "i,j,rho" (comments start with #, one header line).
+/// A field without cells on a domain that square cells fill. @param path  for messages
+/// @throws common::FileError if the cells are not square there, or too many
+DensityField emptyDensity(const std::string& path, std::size_t columns, std::size_t rows, double length, double height);
+
+/// Reads lines "i,j,rho" under that header (comments start with #); cells that are not listed are empty.
 /// @param length  extent of the domain along x [m], height along y: cells must be square and fill it
-/// @throws common::FileError
-DensityField loadDensityCsv(const std::string& path, double length, double height);
+/// @param cells   of the domain along x and y; {0, 0}: told by the largest i and j, if cells with i = 0 and j = 0 are
+/// there
+/// @throws common::FileError naming the line
+DensityField loadDensityCsv(const std::string& path, double length, double height, std::array<int, 2> cells = {0, 0});
 
 /// Closed loops of the level set rho = level (linear between cell centres, void outside), in metres.
 std::vector<std::vector<std::array<double, 2>>> outline(const DensityField& field, double level);

@@ -24,6 +24,8 @@ class Shape {
   virtual bool contains(const Point3& point) const = 0;
   /// Smallest box known to hold the shape; infinite along z for planar shapes.
   virtual Box bounds() const = 0;
+  /// The box that the shape is, axes along x, y and z; null if it is another shape.
+  virtual const Box* asBox() const { return nullptr; }
 };
 using ShapePtr = std::shared_ptr<const Shape>;
 

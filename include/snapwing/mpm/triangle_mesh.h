@@ -22,11 +22,15 @@ struct MeshDefects {
   int degenerate = 0;   ///< triangles with a corner twice
 };
 
-/// Reads ASCII or binary STL; corners at the same place become one vertex. @param unit  [m] per unit of the file
-/// @throws common::FileError if it is missing, truncated or no STL
+/// Reads ASCII or binary STL; corners at the same place become one vertex. Several solids of one file become one mesh.
+/// @param unit  [m] per unit of the file
+/// @throws common::FileError if it is missing, truncated or no STL; in text it names the line and the word
 TriangleMesh readStl(const std::string& path, double unit);
 MeshDefects findDefects(const TriangleMesh& mesh);
-/// @throws common::Error naming the defects if the mesh is not closed and consistently turned
+/// Shells in shells: of equal sense they are their union; one turned inside out is a hole in the other. A mesh that is
+/// turned inside out as a whole is the same body.
+/// @throws common::Error naming the defects if the mesh is not closed and consistently turned, or if a shell turned
+/// inside out lies in no other
 ShapePtr makeMesh(TriangleMesh mesh, const std::string& name);
 /// readStl and makeMesh. @throws common::FileError
 ShapePtr loadStl(const std::string& path, double unit);
