@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 #include "snapwing/elasticity/neo_hookean.h"
 
 namespace snapwing::statics {
@@ -76,7 +77,7 @@ mpm::Grid<D> SceneCells<D>::makeGrid(int number) const {
     const double cells = std::ceil((box.high(a) - box.low(a)) / scene_.cell_size - 1e-6);
     count *= cells;
     if (!(count >= 1 && count <= 3e7)) {
-      throw common::Error("body '" + body.name + "' would take " + std::to_string(count) +
+      throw common::Error("body '" + body.name + "' would take " + common::toText(count) +
                           " background cells; allowed: 1 .. 3e7 (cell_size too small, or shape empty)");
     }
     grid.cells[a] = static_cast<int>(cells);
@@ -132,20 +133,44 @@ typename SceneCells<D>::Kind SceneCells<D>::cutKind(const mpm::Grid<D>& grid, co
   return cut_kinds_[inside] = addKind(terms);
 }
 
-/// Filled share of a cell's height over that of its samples, which know a thickness to a part of a cell only. Built
-/// from the middle plane, a coarse grid would else give most of its bodies a wrong volume.
+/// Filled share of a cell over that of its samples, where it is known: along z for extrusions, along all axes for
+/// boxes. Samples know a length to a part of a cell only: 5 mm would else be 5.33 mm of 2 mm cells with three samples.
 template <int D>
-double SceneCells<D>::heightCorrection(const SceneBody& body, const Vector<D>& centre) const {
-  if (D == 2 || !body.extruded || scene_.use_symmetry != SymmetryUse::MIDDLE) return 1;
-  const double half = 0.5 * body.thicknessAt(centre(0), centre(1)), h = scene_.cell_size;
-  const double low = centre(D - 1) - 0.5 * h;
-  const double filled = (std::min(low + h, half) - std::max(low, -half)) / h;
+double SceneCells<D>::fillCorrection(const SceneBody& body, const Vector<D>& centre, double sampled) const {
+  const double h = scene_.cell_size;
+  const double thickness = body.thicknessAt(centre(0), centre(1));
+  for (const int corner : {0, 1, 2, 3}) {
+    // Of a cell with a step of the thickness in it only the samples know.
+    const double x = centre(0) + (corner % 2 == 0 ? -0.499 : 0.499) * h,
+                 y = centre(1) + (corner < 2 ? -0.499 : 0.499) * h;
+    if (body.shape && body.thicknessAt(x, y) != thickness) return 1;
+  }
+  const auto filled = [&](int axis, double low, double high) {
+    const double start = centre(axis) - 0.5 * h;
+    return std::max(0.0, (std::min(start + h, high) - std::max(start, low)) / h);
+  };
+  const auto ratio = [](double exact, double share) {
+    return share > 0 && exact > 0 && std::abs(exact - share) > 1e-9 ? exact / share : 1.0;
+  };
+  const double half = 0.5 * thickness;
+  const Box* box = body.shape ? body.shape->asBox() : nullptr;
+  const bool half_bounded =
+      box != nullptr && body.extruded && (std::isfinite(box->low(2)) || std::isfinite(box->high(2)));
+  if (box != nullptr && !half_bounded) {
+    double share = 1;
+    for (int a = 0; a < D; ++a) {
+      const bool across = a == 2 && body.extruded;
+      share *= across ? filled(a, -half, half) : filled(a, box->low(a), box->high(a));
+    }
+    return ratio(share, sampled);
+  }
+  if (D == 2 || !body.extruded) return 1;
   int layers = 0;
   for (int k = 0; k < scene_.particles; ++k) {
-    layers += std::abs(low + h * (k + 0.5) / scene_.particles) <= half * (1 + 1e-12) ? 1 : 0;
+    const double z = centre(D - 1) - 0.5 * h + h * (k + 0.5) / scene_.particles;
+    layers += std::abs(z) <= half * (1 + 1e-12) ? 1 : 0;
   }
-  const double sampled = static_cast<double>(layers) / scene_.particles;
-  return layers == 0 || std::abs(filled - sampled) < 1e-9 ? 1 : filled / sampled;
+  return ratio(filled(D - 1, -half, half), static_cast<double>(layers) / scene_.particles);
 }
 
 template <int D>
@@ -172,7 +197,7 @@ void SceneCells<D>::addBody(int number) {
     const double fraction = static_cast<double>(count) / static_cast<double>(samples_.size());
     const Vector<D> centre = grid.cellCentre(at);
     const double measure =
-        cell_volume * (D == 2 ? body.thicknessAt(centre(0), centre(1)) : heightCorrection(body, centre));
+        cell_volume * fillCorrection(body, centre, fraction) * (D == 2 ? body.thicknessAt(centre(0), centre(1)) : 1.0);
     total_ += fraction * measure;
     if (fraction < scene_.smallest_fraction) {
       dropped_ += fraction * measure;
@@ -182,6 +207,7 @@ void SceneCells<D>::addBody(int number) {
     const double density = fields_[number].value.empty() ? 1.0 : fields_[number].at(at[0], at[1]);
     const Kind kind = full ? full_kind_ : cutKind(grid, inside);
     solid_->addCell(at, {kind.kind, density, measure});
+    volume_ += density * fraction * measure;
     cell_rule_.push_back(kind.rule);
     ++added;
   }

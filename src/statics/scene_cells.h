@@ -36,11 +36,19 @@ class SceneCells {
     }
   }
   double droppedShare() const { return total_ > 0 ? dropped_ / total_ : 0; }
+  /// Volume of the material that the cells hold, rho V summed, of what was built [m3].
+  double volume() const { return volume_; }
+  /// The same of the bodies themselves, whatever the cells are: by far finer samples, which costs up to seconds.
+  double bodyVolume() const;
 
  private:
   mpm::Grid<D> makeGrid(int body) const;
   void addBody(int body);
-  double heightCorrection(const SceneBody& body, const mpm::Vector<D>& centre) const;
+  double fillCorrection(const SceneBody& body, const mpm::Vector<D>& centre, double sampled) const;
+  int fillAround(int body, const mpm::Index<D>& at) const;
+  double volumeOfSolid(int body) const;
+  double volumeOfSlice(int body) const;
+  double volumeOfDensity(int body) const;
   /// Terms of a kind of cell, and the rule of all its particles.
   struct Kind {
     int kind = 0, rule = 0;
@@ -61,7 +69,7 @@ class SceneCells {
   std::map<std::vector<bool>, Kind> cut_kinds_;
   std::vector<int> cell_rule_;
   std::vector<mpm::Vector<D>> samples_;
-  double total_ = 0, dropped_ = 0;
+  double total_ = 0, dropped_ = 0, volume_ = 0;
 };
 
 }  // namespace snapwing::statics

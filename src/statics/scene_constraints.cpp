@@ -5,6 +5,7 @@
 #include <map>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 
 namespace snapwing::statics {
 
@@ -138,11 +139,11 @@ void Constraints<D>::makeCylinder(const ScenePin& pin) {
     columns[{std::lround(x(0) / scene_.cell_size * 4), std::lround(x(1) / scene_.cell_size * 4)}] = node;
   }
   if (columns.size() < 3) {
-    throw common::Error("'" + pin.name + "': radius " + std::to_string(pin.radius) + " m holds " +
+    throw common::Error("'" + pin.name + "': radius " + common::toText(pin.radius) + " m holds " +
                         std::to_string(columns.size()) +
                         " of the grid's nodes in its section; allowed: at least 3 "
                         "(a radius of one cell_size, " +
-                        std::to_string(scene_.cell_size) + " m, within the material)");
+                        common::toText(scene_.cell_size) + " m, within the material)");
   }
   addGroup(pin.name, pin.body, nodes, {Eigen::Vector3d::UnitZ()});
 }

@@ -41,8 +41,8 @@ class Constraints {
   std::vector<Equation> equations() const;
   /// Nodal forces per unit of the control, (dofs of the nodes x 1); empty if the scene has no such loads.
   Eigen::MatrixXd loads() const;
-  /// Nodal forces that act always; empty if there are none.
-  Eigen::VectorXd deadLoad() const;
+  /// Nodal forces of constant loads, without the weight; zero if there are none.
+  Eigen::VectorXd constantLoad() const;
 
   int dofCount() const { return keptFrom() + D * D * static_cast<int>(groups_.size()); }
   /// First dof that may not be eliminated: the entries of the rigid groups' rotations.
@@ -68,7 +68,6 @@ class Constraints {
   void tieFace(const SceneJoint& joint, std::vector<Equation>& list) const;
   void addJoint(const SceneJoint& joint, std::vector<Equation>& list) const;
   Eigen::VectorXd faceWeights(const SceneLoad& load) const;
-  void addGravity(Eigen::VectorXd& force) const;
 
   const Scene& scene_;
   const SceneCells<D>& cells_;

@@ -6,6 +6,7 @@
 #include "scene_constraints.h"
 #include "scene_sensitivity_of.h"
 #include "scene_vtu.h"
+#include "scene_weight.h"
 #include "snapwing/common/error.h"
 #include "snapwing/statics/rigid_motion.h"
 #include "snapwing/statics/tied_problem.h"
@@ -20,8 +21,8 @@ template <int D>
 class CompiledSceneOf : public CompiledScene {
  public:
   CompiledSceneOf(const Scene& scene, int threads) : mirror_(findMirrors(scene)), scene_(halved(scene, mirror_)) {
-    const SceneCells<D> cells(scene_, mirror_);
-    dropped_ = cells.droppedShare();
+    geometry_ = std::make_unique<SceneCells<D>>(scene_, mirror_);
+    const SceneCells<D>& cells = *geometry_;
     cells_ = cells.solid();
     multiplicity_ = scene.copies * cells.multiplicity();
     for (const SceneSupport& plane : scene.symmetry) symmetry_ += (symmetry_.empty() ? "" : ", ") + plane.name;
@@ -40,8 +41,10 @@ class CompiledSceneOf : public CompiledScene {
     std::vector<Turning> turnings = constraints.turnings(reduction.unresolved());
     auto solid = std::make_shared<SolidProblem<D>>(cells.solid(), std::move(reduction), constraints.loads(), threads,
                                                    forceFloor());
-    solid->setDeadLoad(constraints.deadLoad());
     solid_ = solid;
+    constant_load_ = constraints.constantLoad();
+    weight_ = std::make_unique<Weight<D>>(scene_, cells);
+    setDeadLoad();
     if (scene.drive != Drive::ELIMINATION) {
       tie(equations, !turnings.empty());
     } else if (!turnings.empty()) {
@@ -57,8 +60,14 @@ class CompiledSceneOf : public CompiledScene {
   double multiplicity() const override { return multiplicity_; }
   const std::string& symmetry() const override { return symmetry_; }
   int cellCount() const override { return solid_->solid().cellCount(); }
-  double droppedShare() const override { return dropped_; }
-  void setDensities(const std::vector<double>& densities) override { cells_->setDensities(densities); }
+  double droppedShare() const override { return geometry_->droppedShare(); }
+  SceneVolume volume() const override {
+    return {multiplicity_ * geometry_->volume(), multiplicity_ * geometry_->bodyVolume()};
+  }
+  void setDensities(const std::vector<double>& densities) override {
+    cells_->setDensities(densities);
+    setDeadLoad();
+  }
 
   std::vector<double> monitors(const Eigen::VectorXd& z, double p) const override {
     const Eigen::VectorXd u = displacements(z, p);
@@ -78,7 +87,7 @@ class CompiledSceneOf : public CompiledScene {
       throw common::Error("scene '" + scene_.name +
                           "' has rigid bodies or cylinder pins; allowed for sensitivities: scenes without");
     }
-    SensitivityParts<D> parts{scene_, mirror_, *solid_, tied_.get(), {}};
+    SensitivityParts<D> parts{scene_, mirror_, *solid_, *weight_, tied_.get(), {}};
     const int dofs = solid_->solid().dofCount();
     parts.monitors = Eigen::MatrixXd::Zero(dofs, static_cast<int>(scene_.monitors.size()));
     for (int k = 0; k < parts.monitors.cols(); ++k) {
@@ -94,6 +103,12 @@ class CompiledSceneOf : public CompiledScene {
   }
 
  private:
+  void setDeadLoad() {
+    Eigen::VectorXd load = constant_load_;
+    weight_->addTo(load);
+    solid_->setDeadLoad(load.isZero(0) ? Eigen::VectorXd() : load);
+  }
+
   /// Ports and joints as equations beside the problem.
   void tie(const std::vector<Equation>& equations, bool rigid) {
     if (rigid) {
@@ -155,10 +170,13 @@ class CompiledSceneOf : public CompiledScene {
 
   Mirror mirror_;
   Scene scene_;
-  double multiplicity_ = 1, dropped_ = 0;
+  double multiplicity_ = 1;
   std::string symmetry_;
+  std::unique_ptr<SceneCells<D>> geometry_;
   std::shared_ptr<mpm::Discretisation<D>> cells_;  ///< the problem's own
-  std::shared_ptr<const SolidProblem<D>> solid_;
+  std::shared_ptr<SolidProblem<D>> solid_;
+  Eigen::VectorXd constant_load_;  ///< [N] besides the weight
+  std::unique_ptr<Weight<D>> weight_;
   std::unique_ptr<TiedProblem> tied_;           ///< if ports and joints are kept as equations
   std::unique_ptr<TurningProblem<D>> turning_;  ///< if something is rigid
 };

@@ -78,9 +78,14 @@ Eigen::VectorXd SceneSensitivityOf<D>::nodal(const Eigen::VectorXd& dz, double d
 }
 
 template <int D>
+Eigen::VectorXd SceneSensitivityOf<D>::densitySlope(const Eigen::VectorXd& v) const {
+  return parts_.solid.solid().densityDerivative(x_.at.displacements, v) - parts_.weight.densitySlope(v);
+}
+
+template <int D>
 SceneSlope SceneSensitivityOf<D>::reaction() const {
   SceneSlope result;
-  result.density = parts_.solid.solid().densityDerivative(x_.at.displacements, nodal(slope_, 1));
+  result.density = densitySlope(nodal(slope_, 1));
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     result.joint(k / 2, k % 2) =
@@ -92,7 +97,8 @@ SceneSlope SceneSensitivityOf<D>::reaction() const {
 template <int D>
 SceneSlope SceneSensitivityOf<D>::potential() const {
   SceneSlope result;
-  result.density = parts_.solid.solid().densityDerivative(x_.at.displacements, {});
+  result.density =
+      parts_.solid.solid().densityDerivative(x_.at.displacements, {}) - parts_.weight.densitySlope(x_.at.displacements);
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     result.joint(k / 2, k % 2) = force_.dot(rows_[k].gap(x_.z, x_.p));
@@ -108,7 +114,7 @@ SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) co
   const Eigen::VectorXd closed = Eigen::VectorXd::Zero(force_.size());
   system_.solve(reduction.restrictToFree(all), closed, w, nu);
   SceneSlope result;
-  result.density = -parts_.solid.solid().densityDerivative(x_.at.displacements, nodal(w, 0));
+  result.density = -densitySlope(nodal(w, 0));
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     result.joint(k / 2, k % 2) = -force_.dot(rows_[k].rows * w) - nu.dot(rows_[k].gap(x_.z, x_.p));
@@ -118,7 +124,9 @@ SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) co
 
 template <int D>
 SceneSlope SceneSensitivityOf<D>::compliance() const {
-  return functional(parts_.solid.loadAt(x_.p));
+  SceneSlope result = functional(parts_.solid.loadAt(x_.p));
+  result.density += parts_.weight.densitySlope(x_.at.displacements);  // the weight is part of the functional itself
+  return result;
 }
 
 template <int D>

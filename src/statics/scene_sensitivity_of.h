@@ -4,6 +4,7 @@
 #include <string>
 
 #include "scene_cells.h"
+#include "scene_weight.h"
 #include "snapwing/statics/scene_sensitivity.h"
 #include "snapwing/statics/sensitivity.h"
 
@@ -15,6 +16,7 @@ struct SensitivityParts {
   const Scene& scene;
   const Mirror& mirror;
   const SolidProblem<D>& solid;
+  const Weight<D>& weight;
   const TiedProblem* tied;  ///< null: everything is eliminated
   /// Gradients of the monitors by the nodal displacements at the equilibrium, (dofs x monitors).
   Eigen::MatrixXd monitors;
@@ -40,6 +42,8 @@ class SceneSensitivityOf : public SceneSensitivity {
   Ties movedTies(int joint, int axis) const;
   /// Total derivative of a functional of the displacements: `gradient` by the nodes, at fixed theta.
   SceneSlope functional(const Eigen::VectorXd& gradient) const;
+  /// d(r . v)/drho_c of the nodal residual r = dE/du - l, (cells x 1) [N m].
+  Eigen::VectorXd densitySlope(const Eigen::VectorXd& v) const;
   Eigen::VectorXd nodal(const Eigen::VectorXd& dz, double dp) const;
 
   SensitivityParts<D> parts_;

@@ -92,6 +92,10 @@ void addModel(const statics::Scene& scene, const statics::CompiledScene& compile
   j["symmetry"] = compiled.symmetry();
   j["multiplicity"] = compiled.multiplicity();
   j["volume_share_left_out"] = compiled.droppedShare();
+  const statics::SceneVolume volume = compiled.volume();
+  j["modelled_volume_m3"] = volume.modelled;
+  j["body_volume_m3"] = volume.bodies;
+  j["volume_error"] = volume.modelled / volume.bodies - 1;
   j["scene_sha256"] = scene.sha256;
   j["snapwing_version"] = common::version();
 }

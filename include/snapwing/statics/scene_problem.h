@@ -11,6 +11,12 @@
 
 namespace snapwing::statics {
 
+/// Volume of the scene's material, each cell's weighted with its density as the scene gives it [m3].
+struct SceneVolume {
+  double modelled = 0;  ///< that of the cells' particles
+  double bodies = 0;    ///< that of the bodies as stated, by far finer samples
+};
+
 /// What a command needs to know, whatever the dimension. z are the problem's free coordinates, p its one control.
 class CompiledScene {
  public:
@@ -31,6 +37,8 @@ class CompiledScene {
                          Eigen::VectorXd* gradient = nullptr) const = 0;
   /// Share of the material's volume in cells that were left out as slivers.
   virtual double droppedShare() const = 0;
+  /// What cells, particles and left out slivers make of the bodies' volume. Costs up to seconds.
+  virtual SceneVolume volume() const = 0;
   /// Derivatives at an equilibrium, whose `at` and `multipliers` must be those of a converged solve; both must outlive
   /// the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
   /// joint at the edge of a body
