@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "prediction_json.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/rom/lumped_model.h"
 #include "trial_options.h"
 
@@ -41,13 +42,13 @@ class TrajectoryCsv {
 int predict(const PredictOptions& options) {
   const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
-  const common::ForceTable table = common::loadForceTable(table_file);
+  const common::ForceTable table = common::armTableOf(vehicle, options.table_file);
   const common::Mode start = common::modeFromName(options.start);
-  const rom::Trial trial = options.trial.trial();
+  const rom::Trial trial = options.trial.trial(vehicle);
   rom::LumpedSettings settings;
   settings.step = options.step;
   const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table),
-                                                               settings, common::wingTableOf(vehicle));
+                                                               settings, common::wingTableOf(vehicle, table));
 
   TrajectoryCsv csv;
   rom::LumpedObserver observer;
