@@ -53,8 +53,8 @@ TEST(AccidentMargins, FollowTheForceScale) {
 
 TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  const common::ForceTable table = common::armTableOf(vehicle);  // arm and wing of one design
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, table);
+  const common::ForceTable table = snapwing::testing::exampleTable();
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
   const auto without = accidentMargins(vehicle, table), with = accidentMargins(vehicle, table, wing);
   EXPECT_GT(find(with, "sudden thrust in F").limit, 1.1 * find(without, "sudden thrust in F").limit);
   // Held upright, the wings' weight pulls the ring side down and the centre up: at the peak S g is carried too.

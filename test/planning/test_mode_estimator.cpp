@@ -71,8 +71,7 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
 }
 
 TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
-  table_ = common::armTableOf(vehicle_);  // arm and wing of one design
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, table_);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, common::armTableOf(vehicle_));
   dynamics::PlantSettings flight;
   flight.mount = dynamics::PlantMount::FREE;
   EstimatorSettings settings;

@@ -53,8 +53,7 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   // The plant is other code with other integration; its vehicles are drawn from the same box.
   PlannerSettings settings;
   settings.verify_samples = 128;
-  table_ = common::armTableOf(vehicle_);  // arm and wing of one design
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, table_);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, common::armTableOf(vehicle_));
   const PulsePlanner planner(vehicle_, table_, settings, wing);
   const std::pair<Mode, rom::Mount> cases[] = {{Mode::FIXED_WING, rom::Mount::BOOM},  // wings act in flight only
                                                {Mode::QUADROTOR, rom::Mount::BOOM},
