@@ -10,6 +10,7 @@
 #include <string>
 
 #include "snapwing/common/pulse.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
 #include "support/paths.h"
@@ -256,7 +257,7 @@ int main(int argc, char** argv) {
   }
   const common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, table);
   std::printf(
       "| case | inside, %% | RMS, mm | sure and wrong, %% | unsure, %% | changes seen | lag mean / worst, ms | at the "
       "end "

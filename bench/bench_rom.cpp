@@ -1,6 +1,7 @@
 // Cost of the reduced model: one step (goal: below 5 us) and one predicted pulse.
 #include <benchmark/benchmark.h>
 
+#include "snapwing/common/table_origin.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
 #include "support/paths.h"
@@ -12,8 +13,8 @@ using namespace snapwing;
 struct Setup {
   common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
-  rom::LumpedModel model =
-      rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), {}, common::wingTableOf(vehicle));
+  rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), {},
+                                                         common::wingTableOf(vehicle, table));
 };
 
 const Setup& setup() {

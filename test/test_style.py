@@ -49,6 +49,16 @@ class Style(unittest.TestCase):
                 found += [f"{path.relative_to(ROOT)}: {m}" for m in MACHINE_PATH.findall(path.read_text(errors="replace"))]
         self.assertEqual(found, [])
 
+    def test_python_is_debians(self):
+        """Another python3 on PATH has neither h5py nor rospy."""
+        wrong = []
+        for path in self.files:
+            with open(path, "rb") as stream:
+                first = stream.readline()
+            if first.startswith(b"#!") and b"python" in first and first.strip() != b"#!/usr/bin/python3":
+                wrong.append(str(path.relative_to(ROOT)))
+        self.assertEqual(wrong, [])
+
     def test_catkin_lint(self):
         """Of the tracked files alone: build folders beside them would be linted too."""
         # Targets are installed through a list that catkin_lint cannot follow; test_install.py installs for real.

@@ -8,8 +8,8 @@ from std_srvs.srv import Trigger
 from snapwing_tools import report_command
 
 
-def make_report(folder, vehicle_file, mount="boom", recorder="record_run", patience=5.0):
-    """`mount`: what the vehicle hung on (free, boom, held). Has `recorder` save folder/run.h5 and makes folder/report.html of it and of folder/run_summary.json, if there.
+def make_report(folder, vehicle_file, mount="auto", recorder="record_run", patience=5.0):
+    """`mount`: what the vehicle hung on (auto, free, boom, held). Has `recorder` save folder/run.h5 and makes folder/report.html of it and of folder/run_summary.json, if there.
     Blocks for some seconds up to a minute. Returns "" or, in one line, why there is no report."""
     service = recorder + "/save"
     try:

@@ -7,7 +7,7 @@ import sys
 import tempfile
 
 from snapwing_tools import inputs as readers
-from snapwing_tools import style
+from snapwing_tools import provenance, style
 from snapwing_tools.analysis import EXPECTED
 from snapwing_tools.command_line import CommandLine, find_program
 from snapwing_tools.errors import InputError
@@ -28,6 +28,8 @@ def parser():
     made.add_argument("--summary", metavar="JSON", help="run_summary.json of the scenario "
                       "[the file of that name beside RUN.h5, if there]")
     made.add_argument("--vehicle", metavar="YAML", help="vehicle file, for the table of its numbers and for --snapwing")
+    made.add_argument("--other-vehicle", action="store_true", help="compare the run with another vehicle or table than "
+                      "it was recorded with; without it they are refused")
     made.add_argument("--table", metavar="H5", help="force table, for the arm's shapes [arm.table_file of --vehicle]")
     made.add_argument("--map", nargs=2, action="append", default=[], metavar=("F|Q", "CSV"),
                       help="outcome map of the switches from F or Q (snapwing plan --map)")
@@ -88,6 +90,7 @@ def gather(options, folder):
     if options.vehicle:
         made.vehicle = readers.read_vehicle(options.vehicle)
         made.files.append(("vehicle", options.vehicle))
+        _same_vehicle(made, options)
     _gather_table(made, options)
     for start, path in options.map:
         name = _name(start, "--map")
@@ -99,6 +102,34 @@ def gather(options, folder):
         made.files.append(("trajectory from " + start, path))
     _ask_command_line(made, options, folder)
     return made
+
+
+def _same_vehicle(made, options):
+    """The report's predictions are of the vehicle that was recorded: another file is refused, or noted if asked for."""
+    recorded = made.run.attributes.get("vehicle_sha256")
+    arm = made.run.latched.get("arm_geometry")
+    name = made.vehicle[0]
+    if arm is not None and arm["vehicle"] != name:
+        found = "the run is of the vehicle '{}', and {} is of '{}'".format(arm["vehicle"], options.vehicle, name)
+    elif recorded and recorded != provenance.sha256_of_file(options.vehicle):
+        found = "the run was recorded with other contents of the vehicle file (sha256 {}) than {} has now".format(
+            str(recorded)[:12], options.vehicle)
+    else:
+        return
+    if not options.other_vehicle:
+        raise InputError("{}: {}; give the file of the run ({}), or --other-vehicle to compare with another one".format(
+            options.run, found, made.run.attributes.get("vehicle_file") or "its place was not recorded"))
+    made.notes.append("Compared with another vehicle than the recorded one: {}.".format(found))
+
+
+def _same_arm(made):
+    """The table that the report draws must be of the recorded arm."""
+    curve = made.run.latched.get("force_curve")
+    noted = made.table.provenance.get("inputs_sha256")
+    if curve is None or not curve["inputs_sha256"] or not noted or curve["inputs_sha256"] == noted:
+        return ""
+    return "the run was recorded with another force table (inputs' sha256 {}) than {} (sha256 {})".format(
+        curve["inputs_sha256"][:12], made.table.path, noted[:12])
 
 
 def _name(start, option):
@@ -119,6 +150,12 @@ def _gather_table(made, options):
     if path:
         made.table = readers.read_force_table(path)
         made.files.append(("force table", path))
+        found = _same_arm(made)
+        if found and not options.other_vehicle:
+            raise InputError("{}: {}; give the table of the run, or --other-vehicle to compare with another one".format(
+                options.run, found))
+        if found:
+            made.notes.append("The arm's shapes are of another arm: {}.".format(found))
     else:
         made.notes.append("No force table was given (--table or --vehicle), so the arm's shapes are not shown.")
 

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import time
 
 import actionlib
 import rospy
@@ -309,8 +310,11 @@ def parse_options(arguments):
     parser.add_argument("--output-dir", default="", metavar="FOLDER",
                         help="write run_summary.json and summary.txt there")
     parser.add_argument("--report", default="", metavar="VEHICLE.yaml",
-                        help="at the end have the recorder save FOLDER/run.h5 and make FOLDER/report.html of it")
-    parser.add_argument("--mount", default="boom", choices=("free", "boom", "held"),
+                        help="at the end have the recorder save FOLDER/run.h5 and make FOLDER/report.html of it; - = the "
+                             "vehicle that the parameter vehicle_file of the namespace names")
+    parser.add_argument("--end-roslaunch", action="store_true", help="after both switches, end the roslaunch that "
+                        "started this")
+    parser.add_argument("--mount", default="auto", choices=("auto", "free", "boom", "held"),
                         help="what the vehicle hangs on, for the report's predictions (%(default)s)")
     parser.add_argument("--kill-bridge", default="none", choices=("none", "F", "Q"),
                         help="kill radio_bridge in the middle of the pulse that starts in this mode (a test of the "
@@ -361,7 +365,27 @@ def play(options):
     print("\n" + table(outcome) + "\n")
     if options.report:
         say("making the report")
-        problem = make_report(options.output_dir, options.report, options.mount)
+        vehicle_file = rospy.get_param("vehicle_file") if options.report == "-" else options.report
+        problem = make_report(options.output_dir, vehicle_file, options.mount)
         if problem:
             say(f"no report: {problem}")
-    return 1 if outcome.trouble() else 0
+    if outcome.trouble():
+        return 1
+    if options.end_roslaunch:
+        end_roslaunch()
+    return 0
+
+
+def end_roslaunch(patience=60.0):
+    """A good end: asks the roslaunch that started this node to end everything, as Ctrl-C would, and waits for it. Ending
+    as a required node would do the same, but with an error in red. Without roslaunch: nothing."""
+    parent = os.getppid()
+    with open(f"/proc/{parent}/cmdline", "rb") as stream:
+        started_by_roslaunch = b"roslaunch" in stream.read()
+    if not started_by_roslaunch:
+        return
+    say("done: both switches happened")
+    os.kill(parent, signal.SIGINT)
+    deadline = time.monotonic() + patience
+    while not rospy.is_shutdown() and time.monotonic() < deadline:
+        time.sleep(0.05)

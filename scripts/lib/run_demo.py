@@ -49,6 +49,7 @@ class HiddenScreen:
 def launch_command(options, master_port):
     arguments = {
         "output_dir": options.output,
+        "vehicle_file": options.vehicle,
         "seed": options.seed,
         "mount": options.mount,
         "kill_bridge": options.kill_bridge,
@@ -107,7 +108,7 @@ def clear(output):
 
 def main():
     parser = argparse.ArgumentParser()
-    for name in ("--output", "--seed", "--mount", "--kill-bridge", "--rviz", "--picture"):
+    for name in ("--output", "--vehicle", "--seed", "--mount", "--kill-bridge", "--rviz", "--picture"):
         parser.add_argument(name, required=True)
     options = parser.parse_args()
     output = pathlib.Path(options.output)

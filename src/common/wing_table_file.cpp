@@ -75,9 +75,4 @@ WingTable loadWingTable(const std::string& path) {
   return table;
 }
 
-std::optional<WingTable> wingTableOf(const Vehicle& vehicle) {
-  if (vehicle.wing.table_file.empty()) return std::nullopt;
-  return loadWingTable(vehicle.wing.table_file);
-}
-
 }  // namespace snapwing::common

@@ -90,11 +90,12 @@ void judgeAll(const ArmTargets& wanted, ArmCheck& check) {
   const auto range = [&](const Wish& wish, bool offset_cases) {
     check.targets.push_back(judgeRange(check, wish, offset_cases));
   };
-  limit({"peak force", wanted.peak, "N", [](C c) { return c.features.peak_force; }});
-  limit({"valley force", wanted.valley, "N", [](C c) { return c.features.valley_force; }});
-  limit({"second equilibrium", wanted.second, "m", [](C c) { return c.features.second_travel; }});
+  if (wanted.peak) limit({"peak force", *wanted.peak, "N", [](C c) { return c.features.peak_force; }});
+  if (wanted.valley) limit({"valley force", *wanted.valley, "N", [](C c) { return c.features.valley_force; }});
+  if (wanted.second) limit({"second equilibrium", *wanted.second, "m", [](C c) { return c.features.second_travel; }});
   const bool turns = std::any_of(check.cases.begin(), check.cases.end(), [](C c) { return c.turns; });
-  if (turns) limit({"rotation there", wanted.rotation, "rad", [](C c) { return c.rotation_second; }});
+  if (turns && wanted.rotation)
+    limit({"rotation there", *wanted.rotation, "rad", [](C c) { return c.rotation_second; }});
   range({"hysteresis over peak", {0, wanted.hysteresis}, "", [](C c) { return c.hysteresis_share; }}, false);
   range({"unstable points", {0, 0}, "", [](C c) { return static_cast<double>(c.unstable_points); }}, false);
   range({"bistable, printing error too", {1, 1}, "", [](C c) { return c.bistable ? 1.0 : 0.0; }}, true);

@@ -7,6 +7,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 
 namespace snapwing::design {
 
@@ -89,13 +90,15 @@ std::string curveFile(const ArmCheckCase& c) {
 /// The curve of a case, or the extrapolated one. @return what was written
 common::ForceTable saveCurve(const ArmDesignSettings& s, const ArmOutcome& outcome, common::ForceTable table,
                              const std::string& name, const std::string& rung, const std::string& file) {
-  table.provenance = {
-      {"case", name},
-      {"rung", rung},
-      {"inputs_sha256", s.hash()},
-      {"command", "snapwing design arm"},
-      {"snapwing_version", common::version()},
-      {"density_sha256", common::sha256OfFile(name == "grey" ? outcome.densityFile() : outcome.bodyFile())}};
+  table.provenance = {{"case", name},
+                      {"rung", rung},
+                      {"inputs_sha256", s.hash()},  // of a scene; an arm says what its own curve depends on
+                      {"command", "snapwing design arm"},
+                      {"snapwing_version", common::version()}};
+  const std::string density = common::readFile(name == "grey" ? outcome.densityFile() : outcome.bodyFile());
+  table.provenance["density_sha256"] = common::sha256(density);
+  if (!s.user_scene) common::noteOrigin(s.vehicle, density, &table.provenance);
+  table.provenance["design_sha256"] = s.hash();
   common::saveForceTable(table, file);
   return table;
 }

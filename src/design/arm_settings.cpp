@@ -36,18 +36,17 @@ std::vector<double> cellSizes(SettingsReader& map, const std::string& key, const
   return map.numbers(key, 0, {1e-4, 0.01}, "m");
 }
 
-std::array<double, 2> interval(SettingsReader& map, const std::string& key, const std::array<double, 2>& fallback,
-                               const std::string& unit) {
-  if (!map.has(key)) return fallback;
+std::optional<std::array<double, 2>> interval(SettingsReader& map, const std::string& key, const std::string& unit) {
+  if (!map.has(key)) return std::nullopt;
   const std::vector<double> ends = map.numbers(key, 2, {-1e6, 1e6}, unit);
   if (ends[1] < ends[0]) map.fail(key, "ends out of order", "[low, high] " + unit);
-  return {ends[0], ends[1]};
+  return std::array<double, 2>{ends[0], ends[1]};
 }
 
 void readRotationBound(SettingsReader& bounds, ArmDesignSettings& s) {
   if (!bounds.has("rotation")) return;
   if (!s.turns()) bounds.fail("rotation", "given", "a scene with a monitor of a rotation (one with a radius)");
-  s.rotation_bound = interval(bounds, "rotation", {}, "rad");
+  s.rotation_bound = *interval(bounds, "rotation", "rad");
   if (s.rotation_bound[1] - s.rotation_bound[0] < 1e-3) {
     bounds.fail("rotation", "an interval of less than 0.001 rad", "[low, high] rad further apart");
   }
@@ -118,10 +117,10 @@ void readLimits(SettingsReader& root, ArmDesignSettings& s) {
 void readWishes(SettingsReader& root, ArmDesignSettings& s) {
   if (!root.has("targets")) return;
   SettingsReader targets = root.map("targets");
-  s.targets.peak = interval(targets, "peak_force", s.targets.peak, "N");
-  s.targets.valley = interval(targets, "valley_force", s.targets.valley, "N");
-  s.targets.second = interval(targets, "second_equilibrium", s.targets.second, "m");
-  s.targets.rotation = interval(targets, "rotation", s.targets.rotation, "rad");
+  s.targets.peak = interval(targets, "peak_force", "N");
+  s.targets.valley = interval(targets, "valley_force", "N");
+  s.targets.second = interval(targets, "second_equilibrium", "m");
+  s.targets.rotation = interval(targets, "rotation", "rad");
   s.targets.hysteresis = targets.numberOr("hysteresis", s.targets.hysteresis, {0, 1}, "1");
   targets.finish();
 }

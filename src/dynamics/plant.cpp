@@ -56,6 +56,7 @@ Plant::Plant(const common::Vehicle& vehicle, const common::ForceTable& table,
   travel_min_ = vehicle.limits.travel_min;
   travel_max_ = vehicle.limits.travel_max;
   const bool boom = settings_.mount == PlantMount::BOOM;
+  if (boom) vehicle.requireBoom("the simulation");
   ring_mass_ = p.ring_mass + (boom ? p.boom_mass : 0.0);
   ring_drag_ = p.ring_drag + (boom ? p.boom_drag : 0.0);
   friction_ = boom ? p.boom_friction : 0.0;

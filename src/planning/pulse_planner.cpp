@@ -117,6 +117,7 @@ TransitionPlan PulsePlanner::plan(common::Mode start, const rom::Trial& trial) c
 TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const rom::Trial& trial,
                                   const std::function<bool()>& cancelled) const {
   trial.validate();
+  if (trial.mount == rom::Mount::BOOM) vehicle_.requireBoom("the trial");
   TransitionPlan plan;
   plan.start_mode = start;
   plan.target_mode = target;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/vehicle.h"
 #include "snapwing/common/wing_table.h"
 
 namespace snapwing::rom {
@@ -12,6 +13,13 @@ Mount mountFromName(const std::string& text) {
   if (text == "boom") return Mount::BOOM;
   if (text == "held") return Mount::HELD;
   throw common::Error("mount is '" + text + "'; allowed: free, boom, held");
+}
+
+Mount mountFor(const common::Vehicle& vehicle, const std::string& text, const std::string& who) {
+  if (text == "auto") return vehicle.boom.given ? Mount::BOOM : Mount::FREE;
+  const Mount mount = mountFromName(text);
+  if (mount == Mount::BOOM) vehicle.requireBoom(who);
+  return mount;
 }
 
 std::string mountName(Mount mount) {

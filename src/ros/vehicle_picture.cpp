@@ -14,11 +14,9 @@ using visualization_msgs::MarkerArray;
 namespace {
 
 constexpr double PI = 3.14159265358979323846;
-constexpr int WING_PANELS = 4;            // folds of the wing surface
-constexpr double PANEL_THICKNESS = 1e-3;  // [m]
-constexpr double LABEL_HEIGHT = 0.27;     // [m] over the ring
-constexpr double FULL_ARROW = 0.16;       // [m] arrow of full thrust
-constexpr double ROTOR_HEIGHT = 0.028;    // [m] propeller over the ring
+constexpr double LABEL_HEIGHT = 0.27;   // [m] over the ring
+constexpr double FULL_ARROW = 0.16;     // [m] arrow of full thrust
+constexpr double ROTOR_HEIGHT = 0.028;  // [m] propeller over the ring
 
 std_msgs::ColorRGBA modeColour(common::Mode mode) {
   if (mode == common::Mode::FIXED_WING) return colour(0.25, 0.65, 1.0);
@@ -99,11 +97,7 @@ MarkerArray VehiclePicture::draw(const PictureState& state) const {
   drawFrame(out, state);
   drawRotors(out, state);
   drawArms(out, state);
-  if (wing_) {
-    drawDesignedWings(*wing_, state.travel, &out);
-  } else {
-    drawWings(out, state);
-  }
+  if (wing_) drawDesignedWings(*wing_, state.travel, &out);
   drawLabel(out, state);
   for (Marker& marker : out.markers) {
     marker.header.stamp = state.stamp;
@@ -188,42 +182,6 @@ void VehiclePicture::drawArms(MarkerArray& out, const PictureState& state) const
       }
     }
     out.markers.push_back(marker);
-  }
-}
-
-/// A vehicle without a designed wing: the wing is a fan of flat panels in the arm's plane. One rib is fixed and points
-/// down; the other one turns with the wing angle. As the fan closes, its panels keep their chord and fold zig-zag out
-/// of the plane.
-void VehiclePicture::drawWings(MarkerArray& out, const PictureState& state) const {
-  const common::Geometry& g = vehicle_.geometry;
-  const double open = std::clamp(settings_.wing_span_angle - state.wing_angle, 0.02, settings_.wing_span_angle);
-  const double hinge_x = g.ring_radius + g.ring_width / 2 + 0.004 - g.housing_radius;
-  const double hinge_y = vehicle_.arm.pin_y + g.axle_below_ring;
-  const double chord = std::sin(settings_.wing_span_angle / WING_PANELS / 2);
-  const double fold =
-      settings_.wing_length * std::sqrt(std::max(0.0, chord * chord - std::pow(std::sin(open / WING_PANELS / 2), 2)));
-  for (int k = 0; k < vehicle_.arm.count; ++k) {
-    const double azimuth = 2 * PI * k / vehicle_.arm.count;
-    const auto tip = [&](int rib) {
-      const double angle = -PI / 2 + open * rib / WING_PANELS;
-      const double across = rib % 2 != 0 ? fold : -fold;
-      return place(azimuth, hinge_x + settings_.wing_length * std::cos(angle),
-                   hinge_y + settings_.wing_length * std::sin(angle), across);
-    };
-    const geometry_msgs::Point hinge = place(azimuth, hinge_x, hinge_y, 0);
-    Marker panels = makeMarker("wings", 2 * k, Marker::TRIANGLE_LIST, colour(0.92, 0.94, 0.98));
-    Marker ribs = makeMarker("wings", 2 * k + 1, Marker::LINE_LIST, colour(0.25, 0.45, 0.75));
-    ribs.scale.x = 0.003;
-    for (int rib = 0; rib <= WING_PANELS; ++rib) {
-      ribs.points.push_back(hinge);
-      ribs.points.push_back(tip(rib));
-      if (rib == 0) continue;
-      ribs.points.push_back(tip(rib - 1));
-      ribs.points.push_back(tip(rib));
-      addPanel(panels, hinge, tip(rib - 1), tip(rib), PANEL_THICKNESS);
-    }
-    out.markers.push_back(panels);
-    out.markers.push_back(ribs);
   }
 }
 

@@ -16,6 +16,7 @@
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/rung.h"
@@ -82,36 +83,17 @@ std::string toText(double value) {
   return text.str();
 }
 
-std::string armInputs(const common::Vehicle& vehicle) {
-  const common::ArmSettings& a = vehicle.arm;
-  std::ostringstream text;
-  text.precision(17);
-  for (const double value :
-       {a.domain_length, a.domain_height, a.leg_width, a.bar_height, a.leg_thickness, a.bar_thickness, a.pin_x, a.pin_y,
-        a.clamp_y_low, a.clamp_y_high, vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value}) {
-    text << value << ";";
-  }
-  return text.str();
-}
-
 void describe(const CurveOptions& options, const common::Vehicle& vehicle, const statics::ArmProblem& arm,
               common::ForceTable& table) {
   table.arm_count = vehicle.arm.count;
-  // The hash covers what the curve depends on in the vehicle file, and the design: other settings may change freely.
-  const std::string density = common::readFile(vehicle.arm.density_file);
   auto& p = table.provenance;
+  common::noteOrigin(vehicle, common::densityBytesOf(vehicle), &p);
   p["rung"] = "planar";
   p["plane"] = options.plane;
   p["kernel"] = "linear";
   p["cell_size_m"] = toText(arm.field().cell_size);
   p["step_m"] = toText(options.step);
   p["dof"] = std::to_string(arm.problem().freeCount());
-  p["vehicle"] = vehicle.name;
-  p["youngs_modulus_pa"] = toText(vehicle.material.youngs_modulus.value);
-  p["poisson_ratio"] = toText(vehicle.material.poisson_ratio.value);
-  p["vehicle_sha256"] = vehicle.sha256;
-  p["density_sha256"] = common::sha256(density);
-  p["inputs_sha256"] = common::sha256(armInputs(vehicle) + density);
   p["snapwing_version"] = common::version();
   p["command"] = "snapwing curve, plane " + options.plane + ", from " + toText(table.travel.front()) + " m to " +
                  toText(table.travel.back()) + " m";
@@ -164,7 +146,7 @@ int runTable(const CurveOptions& options) {
     throw common::Error("--output: --rung lumped is a table already; the curve goes to --csv");
   const common::Vehicle vehicle = common::loadVehicle(options.input);
   checkFiles(options, {vehicle.arm.table_file}, "");
-  const common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
+  const common::ForceTable table = common::armTableOf(vehicle);
   nlohmann::json summary;
   for (const auto& [key, value] : table.provenance) summary["provenance"][key] = value;
   summary["rung"] = "lumped";
@@ -208,6 +190,7 @@ int runCurve(const CurveOptions& options) {
   checkFiles(options, {vehicle.arm.density_file}, "");
   const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
                                       vehicle.material.mass_density.value};
+  common::densityBytesOf(vehicle);
   const mpm::DensityField design =
       mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
   statics::ArmProblemSettings settings;

@@ -10,6 +10,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/design/arm_scene.h"
 #include "snapwing/statics/checkpoint.h"
@@ -35,7 +36,7 @@ statics::Scene sourceScene(const CurveOptions& options) {
   statics::Scene scene = design::armScene(vehicle, field, settings);
   scene.copies = vehicle.arm.count;  // totals of all arms, as on the other rungs of a vehicle
   scene.named_files = {vehicle.arm.density_file};
-  scene.sha256 = common::sha256(vehicle.sha256 + common::readFile(vehicle.arm.density_file));
+  scene.sha256 = common::sha256(vehicle.sha256 + common::densityBytesOf(vehicle));
   return scene;
 }
 
@@ -226,6 +227,11 @@ void writeTable(const CurveOptions& options, const statics::Scene& scene, const 
       table.provenance[key] = value.is_string() ? value.get<std::string>() : value.dump();
   }
   table.provenance["inputs_sha256"] = scene.sha256;
+  if (!statics::isScene(options.input)) {  // the arm of a vehicle as a solid
+    const common::Vehicle vehicle = common::loadVehicle(options.input);
+    common::noteOrigin(vehicle, common::densityBytesOf(vehicle), &table.provenance);
+    table.arm_count = vehicle.arm.count;
+  }
   common::saveForceTable(table, options.output);
 }
 

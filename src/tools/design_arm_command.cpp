@@ -3,6 +3,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "commands.h"
@@ -93,6 +94,17 @@ void printParts(const ArmPartsReport& parts) {
               parts.watertight ? "yes" : "no");
 }
 
+/// What makes the vehicle fly this arm.
+void printNext(const ArmDesignSettings& settings, const ArmOutcome& outcome) {
+  const std::string vehicle = settings.vehicle.file;
+  const std::filesystem::path folder = std::filesystem::absolute(vehicle).parent_path();
+  const auto named = [&](const std::string& file) {
+    return std::filesystem::absolute(file).lexically_relative(folder).string();
+  };
+  std::printf("to fly it, name in %s under arm\n  density_file: %s\n  table_file: %s\n", vehicle.c_str(),
+              named(outcome.bodyFile()).c_str(), named(outcome.tableFile()).c_str());
+}
+
 ArmJob jobOf(const Options& options) {
   ArmJob job;
   job.folder = options.folder;
@@ -135,6 +147,7 @@ int runCommand(const Options& options) {
                                  ? designArm(settings, job)
                                  : checkArmDensity(settings, loadDesignedDensity(settings, options.density), job);
   std::signal(SIGINT, previous);
+  if (outcome.bistable && !settings.user_scene) printNext(settings, outcome);
   if (!outcome.bistable || !outcome.all_met) return 1;
   return outcome.status == OptimizerStatus::CANCELLED ? 1 : 0;
 }

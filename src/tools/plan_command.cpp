@@ -10,6 +10,7 @@
 #include "prediction_json.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/planning/accident_margins.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "trial_options.h"
@@ -124,10 +125,10 @@ int plan(const PlanOptions& options) {
   const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
   checkFiles(vehicle, table_file, {{options.json_file, "--json"}, {options.map_file, "--map"}});
-  const common::ForceTable table = common::loadForceTable(table_file);
+  const common::ForceTable table = common::armTableOf(vehicle, options.table_file);
   const common::Mode start = common::modeFromName(options.start);
-  const rom::Trial trial = options.trial.trial();
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  const rom::Trial trial = options.trial.trial(vehicle);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, table);
   const planning::PulsePlanner planner(vehicle, table, options.settings, wing);
 
   const auto begin = std::chrono::steady_clock::now();

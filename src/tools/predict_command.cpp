@@ -11,6 +11,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/rom/lumped_model.h"
 #include "trial_options.h"
 
@@ -48,9 +49,9 @@ int predict(const PredictOptions& options) {
   const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
   checkFiles(vehicle, table_file, {{options.csv_file, "--csv"}, {options.json_file, "--json"}});
-  const common::ForceTable table = common::loadForceTable(table_file);
+  const common::ForceTable table = common::armTableOf(vehicle, options.table_file);
   const common::Mode start = common::modeFromName(options.start);
-  const rom::Trial trial = options.trial.trial();
+  const rom::Trial trial = options.trial.trial(vehicle);
   rom::LumpedSettings settings;
   settings.step = options.step;
   const double steps = (options.pulse.duration + trial.horizon) / options.step;
@@ -61,7 +62,7 @@ int predict(const PredictOptions& options) {
                         std::to_string(LARGEST_COUNT));
   }
   const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table),
-                                                               settings, common::wingTableOf(vehicle));
+                                                               settings, common::wingTableOf(vehicle, table));
 
   TrajectoryCsv csv;
   rom::LumpedObserver observer;

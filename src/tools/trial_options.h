@@ -11,15 +11,18 @@
 namespace snapwing::tools {
 
 struct TrialOptions {
-  std::string mount = "boom", wings = "auto";
+  std::string mount = "auto", wings = "auto";
   double gravity = 0;
   double initial_speed = 0;
   std::optional<double> initial_thrust, final_thrust;
   double horizon = rom::Trial().horizon;
 
   void addTo(CLI::App& command) {
-    command.add_option("--mount", mount, "free (flight), boom (the paper's stand) or held (ring stands still)")
-        ->check(CLI::IsMember({"free", "boom", "held"}))
+    command
+        .add_option(
+            "--mount", mount,
+            "free (flight), boom (the paper's stand), held (ring stands still); auto: boom if the vehicle has one")
+        ->check(CLI::IsMember({"auto", "free", "boom", "held"}))
         ->capture_default_str();
     command.add_option("--wings", wings, "on or off; auto: on if the vehicle has them, but off on a boom")
         ->check(CLI::IsMember({"auto", "on", "off"}))
@@ -42,9 +45,9 @@ struct TrialOptions {
   }
 
   /// @throws common::Error
-  rom::Trial trial() const {
+  rom::Trial trial(const common::Vehicle& vehicle) const {
     rom::Trial result;
-    result.mount = rom::mountFromName(mount);
+    result.mount = rom::mountFor(vehicle, mount, "--mount");
     result.wings = rom::wingsFromName(wings);
     result.gravity = gravity;
     result.initial_speed = initial_speed;

@@ -6,6 +6,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/common/wing_table.h"
 #include "support/paths.h"
@@ -35,11 +36,9 @@ TEST(Vehicle, EveryShippedFileLoads) {
     EXPECT_EQ(v.sha256.size(), 64u);
     EXPECT_TRUE(fs::exists(v.arm.density_file)) << v.arm.density_file;
     EXPECT_TRUE(fs::exists(v.arm.table_file)) << v.arm.table_file;
-    // Tables go stale silently: each names what it was computed from (scripts/make_tables).
-    EXPECT_EQ(loadForceTable(v.arm.table_file).provenance.at("density_sha256"), sha256OfFile(v.arm.density_file));
-    if (const std::optional<WingTable> wing = wingTableOf(v)) {
-      EXPECT_NE(wing->provenance.at("arm_motion").find(sha256OfFile(v.arm.table_file)), std::string::npos);
-    }
+    // Each table belongs to the arm of its vehicle (scripts/make_tables).
+    const ForceTable arm = armTableOf(v);
+    EXPECT_EQ(wingTableOf(v, arm).has_value(), v.hasWing());
     ++count;
   }
   EXPECT_GE(count, 1);
@@ -51,6 +50,35 @@ TEST(Vehicle, PaperNumbersAreInSi) {
   EXPECT_DOUBLE_EQ(v.geometry.ring_radius, 0.125);
   EXPECT_DOUBLE_EQ(v.material.youngs_modulus.value, 5.5e6);
   EXPECT_DOUBLE_EQ(v.rotors.count * v.rotors.max_thrust.value, 35.6);
+}
+
+/// The shipped vehicle without some of its top-level keys, each in one block up to an empty line.
+std::string without(const std::vector<std::string>& keys) {
+  std::string text = readFile(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  for (const std::string& key : keys) {
+    const auto at = text.find("\n" + key + ":");
+    text.erase(at, text.find("\n\n", at + 1) - at);
+  }
+  const std::string path = testing::TempDir() + "vehicle_without_" + sha256(text).substr(0, 12) + ".yaml";
+  writeFileAtomically(path, text);
+  return path;
+}
+
+TEST(Vehicle, BoomBatteryAndWingMayBeLeftOut) {
+  const std::string path = without({"boom", "battery", "wing"});
+  const Vehicle v = loadVehicle(path);
+  EXPECT_FALSE(v.boom.given);
+  EXPECT_FALSE(v.hasWing());
+  EXPECT_EQ(v.battery.cells, 0);
+  try {
+    v.requireBoom("the trial");
+    FAIL() << "a boom that is not there was taken";
+  } catch (const SettingError& e) {
+    EXPECT_EQ(e.key(), "boom") << e.what();
+    EXPECT_NE(std::string(e.what()).find("--mount free"), std::string::npos) << e.what();
+  }
+  EXPECT_NO_THROW(loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml").requireBoom("the trial"));
+  fs::remove(path);
 }
 
 struct Wrong {
@@ -83,7 +111,20 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"count: 4", "count: four", "arm.count"},
                     Wrong{"inertia_scale: {value: 1.0", "inertia_scale: {value: -1.0", "wing.inertia_scale.value"},
                     Wrong{"friction_scale: {value: 1.0", "frictoin_scale: {value: 1.0", "wing.friction_scale"},
-                    Wrong{"source: \"paper: ring of 125 mm\"", "source: \"\"", "geometry.ring_radius.source"}),
+                    Wrong{"source: \"paper: ring of 125 mm\"", "source: \"\"", "geometry.ring_radius.source"},
+                    Wrong{"ring_radius: {value: 0.125", "ring_radius: {value: 0.145", "arm.pin_x"},  // ends inside
+                    Wrong{"housing_radius: {value: 0.045", "housing_radius: {value: 0.065", "arm.pin_x"},
+                    Wrong{"pin_y: {value: 0.002", "pin_y: {value: 0.030", "arm.pin_y"},  // outside the L
+                    Wrong{"clamp_y_high: {value: 0.040", "clamp_y_high: {value: 0.020", "arm.clamp_y_high"},
+                    Wrong{"clamp_y_high: {value: 0.040", "clamp_y_high: {value: 0.045", "arm.clamp_y_high.value"},
+                    Wrong{"bar_height: {value: 0.020", "bar_height: {value: 0.0", "arm.bar_height.value"},
+                    Wrong{"count: 4", "count: 0", "arm.count"},
+                    Wrong{"leg_thickness: {value: 0.005", "leg_thickness: {value: 0.100", "arm.count"},
+                    Wrong{"travel_max: {value: 0.080", "travel_max: {value: 0.0", "limits.travel_max.value"},
+                    Wrong{"travel_max: {value: 0.080", "travel_max: {value: 0.8", "limits.travel_max"},
+                    Wrong{"throttle_high: {value: 2000.0", "throttle_high: {value: 1000.0", "radio.throttle_high"},
+                    Wrong{"motor_full: {value: 2000.0", "motor_full: {value: 1070.0", "radio.motor_full"},
+                    Wrong{"length: {value: 0.987", "length: {value: 0.100", "boom.length"}),
     [](const auto& mistake) { return "Mistake" + std::to_string(mistake.index); });
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "snapwing/common/table_origin.h"
 #include "snapwing/planning/accident_margins.h"
 #include "support/example_table.h"
 #include "support/paths.h"
@@ -53,7 +54,7 @@ TEST(AccidentMargins, FollowTheForceScale) {
 TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTable();
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
   const auto without = accidentMargins(vehicle, table), with = accidentMargins(vehicle, table, wing);
   EXPECT_GT(find(with, "sudden thrust in F").limit, 1.1 * find(without, "sudden thrust in F").limit);
   // Held upright, the wings' weight pulls the ring side down and the centre up: at the peak S g is carried too.

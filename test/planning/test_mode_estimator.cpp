@@ -5,6 +5,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/pulse.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
 #include "support/example_table.h"
@@ -70,7 +71,7 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
 }
 
 TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, common::armTableOf(vehicle_));
   dynamics::PlantSettings flight;
   flight.mount = dynamics::PlantMount::FREE;
   EstimatorSettings settings;

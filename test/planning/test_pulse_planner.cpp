@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "support/example_table.h"
@@ -52,7 +53,7 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   // The plant is other code with other integration; its vehicles are drawn from the same box.
   PlannerSettings settings;
   settings.verify_samples = 128;
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_);
+  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, common::armTableOf(vehicle_));
   const PulsePlanner planner(vehicle_, table_, settings, wing);
   const std::pair<Mode, rom::Mount> cases[] = {{Mode::FIXED_WING, rom::Mount::BOOM},  // wings act in flight only
                                                {Mode::QUADROTOR, rom::Mount::BOOM},

@@ -3,6 +3,7 @@
 Nothing here is a reference for the physics; it only has the shape of a real run."""
 
 import math
+import os
 from types import SimpleNamespace as Message
 
 import h5py
@@ -58,6 +59,17 @@ def true_mode(motion, window=0.1):
     return np.where(np.abs(motion["travel_rate"]) > 0.4, 0, basin)
 
 
+def shipped_inputs():
+    """What the shipped force table was computed from: the run is of that arm."""
+    table = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", "tables", "arris_x220_planar.h5")
+    with h5py.File(table, "r") as file:
+        found = file["provenance"].attrs["inputs_sha256"]
+    return found.decode() if isinstance(found, bytes) else str(found)
+
+
+SHIPPED_INPUTS = shipped_inputs()
+
+
 def header(time):
     return Message(stamp=ORIGIN + time)
 
@@ -77,7 +89,7 @@ def curve_message():
     travel = np.linspace(-0.005, 0.07, 151)
     peak = travel[np.argmax(np.where(travel < BARRIER, force(travel), -9))]
     valley = travel[np.argmin(np.where(travel > BARRIER, force(travel), 9))]
-    return Message(header=header(-1.0), rung="made up", inputs_sha256="ab" * 32, travel=list(travel),
+    return Message(header=header(-1.0), rung="made up", inputs_sha256=SHIPPED_INPUTS, travel=list(travel),
                    force=list(force(travel)), energy=list(energy(travel)), rotation=list(travel * 16),
                    stable=[True] * len(travel), peak_travel=peak, peak_force=force(peak), valley_travel=valley,
                    valley_force=force(valley), barrier_travel=BARRIER, second_travel=SECOND,
@@ -86,7 +98,7 @@ def curve_message():
 
 
 def geometry_message():
-    return Message(header=header(-1.0), vehicle="made_up", arm_count=4, pin=Message(x=0.078, y=0.002), leg_width=0.02,
+    return Message(header=header(-1.0), vehicle="arris_x220", arm_count=4, pin=Message(x=0.078, y=0.002), leg_width=0.02,
                    leg_thickness=0.005, bar_thickness=0.01, housing_radius=0.045, ring_radius=0.125,
                    axle_below_ring=0.02, density_file="made_up.csv", density_sha256="cd" * 32)
 

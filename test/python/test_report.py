@@ -12,11 +12,12 @@ from html import escape
 from html.parser import HTMLParser
 from unittest import mock
 
+import h5py
 import matplotlib.pyplot as plt
 import matplotlib.text
 
 import synthetic_run
-from snapwing_tools import inputs, report_command, scenario_summary, style
+from snapwing_tools import inputs, provenance, report_command, scenario_summary, style
 from snapwing_tools.errors import InputError
 from snapwing_tools.report import Inputs, Report
 from snapwing_tools.run_file import read_run, write_run
@@ -255,6 +256,28 @@ class Command(unittest.TestCase):
         self.refused("not a program", self.good, "--vehicle", VEHICLE, "--snapwing", columns)
         self.refused("--snapwing needs --vehicle", self.good, "--snapwing", "/bin/true")
         self.refused("no force table", self.good, "--table", self.good)
+
+    def test_another_vehicle_than_the_runs_is_refused(self):
+        with open(VEHICLE, encoding="utf-8") as file:
+            text = file.read()
+        renamed = self.write("renamed.yaml", text.replace("name: arris_x220", "name: other"))
+        self.refused("the run is of the vehicle 'arris_x220'.*is of 'other'", self.good, "--vehicle", renamed)
+        recorded = self.path("recorded.h5")
+        known = {"vehicle_sha256": provenance.sha256_of_file(VEHICLE), "vehicle_file": VEHICLE}
+        synthetic_run.make_buffer(provenance=known).save(recorded, "closed")
+        edited = self.write("edited.yaml", text.replace("value: 0.783", "value: 0.790"))
+        self.refused("other contents of the vehicle file.*give the file of the run", recorded, "--vehicle", edited)
+        self.assertEqual(self.make(recorded, "--vehicle", VEHICLE, "--table", self.full()[3])[0], 0)
+        code, out, _ = self.make(recorded, "--vehicle", edited, "--other-vehicle", "--table", self.full()[3])
+        self.assertEqual(code, 0)
+        self.assertIn("Compared with another vehicle", out)
+
+    def test_table_of_another_arm_is_refused(self):
+        other = self.path("other.h5")
+        synthetic_run.write_force_table(other)
+        with h5py.File(other, "r+") as file:
+            file["provenance"].attrs["inputs_sha256"] = "ef" * 32
+        self.refused("another force table", self.good, "--table", other)
 
     def test_output_that_cannot_be_written(self):
         self.output = self.path("absent/report.html")

@@ -4,7 +4,8 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 
-REQUIRED = {"vehicle_file": "vehicle.yaml", "fc": "tcp:127.0.0.1:1"}
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+REQUIRED = {"vehicle_file": "config/vehicles/arris_x220.yaml", "fc": "tcp:127.0.0.1:1"}
 
 
 def problems(path):
@@ -13,7 +14,7 @@ def problems(path):
     found += [f"argument {a.get('name')} has no doc" for a in arguments if not a.get("doc")]
     given = [f"{a.get('name')}:={REQUIRED[a.get('name')]}" for a in arguments if a.get("default") is None]
     done = subprocess.run(["roslaunch", "--nodes", str(path)] + given, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True, check=False)
+                          text=True, check=False, cwd=ROOT)
     if done.returncode != 0:
         found.append(done.stdout.strip())
     return found

@@ -89,6 +89,19 @@ TEST_F(Picture, DesignedWingsAreMirroredAndFoldAsTheTableSays) {
   EXPECT_LT(tipOf(0.07, 0).y, 0.12);
 }
 
+TEST_F(Picture, VehicleWithoutWingsIsDrawnWithoutWings) {
+  for (const double travel : {0.0, 0.05}) {
+    PictureState state;
+    state.travel = travel;
+    const auto picture = picture_.draw(state);
+    EXPECT_GT(picture.markers.size(), 5u);
+    for (const auto& marker : picture.markers) {
+      EXPECT_EQ(marker.ns.find("wing"), std::string::npos) << marker.ns;
+      EXPECT_NE(marker.ns, "linkage");
+    }
+  }
+}
+
 TEST_F(Picture, HousingMovesDownByTravel) {
   EXPECT_NEAR(picture_.housingHeight(0.0) - picture_.housingHeight(0.05), 0.05, 1e-12);
 }

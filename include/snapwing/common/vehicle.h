@@ -55,6 +55,7 @@ struct Rotors {
   Quantity quadratic_share;     ///< [1] thrust fraction = q s^2 + (1-q) s of the motor output s in [0,1]
 };
 
+/// For the record: no computation asks for it. cells = 0 if the file names none.
 struct Battery {
   int cells = 0;
   Quantity capacity;  ///< [A s]
@@ -67,11 +68,14 @@ struct Drag {
   Quantity centre_cda;   ///< [m2] drag area of the centre
 };
 
+/// The stand of a trial with mount "boom"; a vehicle that flies free needs none. Without it: weightless, without drag
+/// and friction, and whoever asks for the mount is refused (Vehicle::requireBoom).
 struct Boom {
-  Quantity length;    ///< [m] axis to vehicle
-  Quantity inertia;   ///< [kg m2] of the boom alone about its axis
-  Quantity cda;       ///< [m2] drag area of the boom, referred to the tip speed
-  Quantity friction;  ///< [N] Coulomb friction referred to the tip
+  bool given = false;
+  Quantity length{1.0, 0};    ///< [m] axis to vehicle
+  Quantity inertia{0.0, 0};   ///< [kg m2] of the boom alone about its axis
+  Quantity cda{0.0, 0};       ///< [m2] drag area of the boom, referred to the tip speed
+  Quantity friction{0.0, 0};  ///< [N] Coulomb friction referred to the tip
 };
 
 /// The way of a command to the motors: radio, flight controller's scaling and the time it takes.
@@ -114,6 +118,10 @@ struct Vehicle {
   Radio radio;
   Limits limits;
   VehicleWing wing;
+
+  bool hasWing() const { return !wing.table_file.empty(); }
+  /// @param who  asks for the mount "boom"; begins the message @throws SettingError if the vehicle has no boom
+  void requireBoom(const std::string& who) const;
 };
 
 /// @throws FileError, SettingError (names key, value and what is allowed)

@@ -6,11 +6,8 @@
 #include <array>
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
-
-#include "snapwing/common/vehicle.h"
 
 namespace snapwing::common {
 
@@ -58,9 +55,6 @@ struct WingTable {
 void saveWingTable(const WingTable& table, const std::string& path);
 /// @throws common::FileError
 WingTable loadWingTable(const std::string& path);
-
-/// The table that a vehicle file names. @return none if the vehicle has no wings. @throws common::FileError
-std::optional<WingTable> wingTableOf(const Vehicle& vehicle);
 
 /// Calls visit(name, unit, array) for each array, in the file's order.
 void forEachColumn(WingTable* table, const std::function<void(const char*, const char*, std::vector<double>*)>& visit);

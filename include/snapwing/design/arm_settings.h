@@ -3,6 +3,7 @@
 /// config/designs/arm_*.yaml. SI; forces are per ARM except those of `targets`.
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,15 @@ struct ArmStage {
   double move = 0.05;  ///< largest change of a variable in one iteration
 };
 
-/// What the check asks of every body. Forces are totals of all copies.
+/// What the check asks of every body beside bistability; what a file does not name is not asked. Forces are totals of
+/// all copies.
 struct ArmTargets {
-  std::array<double, 2> peak{3.6, 4.0};        ///< [N]
-  std::array<double, 2> valley{-1.3, 0.0};     ///< [N]
-  std::array<double, 2> second{0.050, 0.062};  ///< [m] second stable equilibrium
-  std::array<double, 2> rotation{0.75, 0.90};  ///< [rad] there
-  double hysteresis = 0.01;                    ///< share of the peak
+  using Interval = std::optional<std::array<double, 2>>;
+  Interval peak;             ///< [N]
+  Interval valley;           ///< [N]
+  Interval second;           ///< [m] second stable equilibrium
+  Interval rotation;         ///< [rad] there
+  double hysteresis = 0.01;  ///< share of the peak
 };
 
 struct ArmDesignSettings {

@@ -7,6 +7,10 @@
 
 #include "snapwing/common/mode.h"
 
+namespace snapwing::common {
+struct Vehicle;
+}
+
 namespace snapwing::rom {
 
 enum class Mount {
@@ -17,6 +21,9 @@ enum class Mount {
 
 /// "free", "boom" or "held". @throws common::Error for another word
 Mount mountFromName(const std::string& text);
+/// The same for a vehicle: "auto" is boom if the vehicle has one, else free; a boom that it has not is refused.
+/// @param who  asks, for the message @throws common::Error
+Mount mountFor(const common::Vehicle& vehicle, const std::string& text, const std::string& who);
 std::string mountName(Mount mount);
 /// "on", "off" or "auto" (none). @throws common::Error for another word
 std::optional<bool> wingsFromName(const std::string& text);

@@ -15,6 +15,6 @@ SnapPrediction toMessage(const rom::SnapPrediction& prediction);
 TransitionPlan toMessage(const planning::TransitionPlan& plan);
 
 /// Keys `mount` (free, boom, held), `wings` (auto, on, off), `gravity` [m/s2] and `horizon` [s]. @throws common::Error
-rom::Trial readTrial(Params& params);
+rom::Trial readTrial(Params& params, const common::Vehicle& vehicle);
 
 }  // namespace snapwing::nodes

@@ -24,14 +24,11 @@ namespace snapwing::nodes {
 struct PictureSettings {
   std::string ring_frame = "base_link";
   std::string housing_frame = "housing";
-  double wing_length = 0.14;      ///< [m] rib length of the wing's fan
-  double wing_span_angle = 2.45;  ///< [rad] fan opened in fixed-wing mode; the paper's rotation of the wing tip
-  double strain_scale = 0.10;     ///< [1] strain of the outline shown in full colour
+  double strain_scale = 0.10;  ///< [1] strain of the outline shown in full colour
 };
 
 struct PictureState {
   double travel = 0;                          ///< u [m]
-  double wing_angle = 0;                      ///< [rad] 0 = unfolded
   common::Mode mode = common::Mode::UNKNOWN;  ///< colours the label
   std::string label;                          ///< text over the vehicle
   std::vector<double> thrust;                 ///< share of full thrust [0, 1] of each rotor; may be empty
@@ -42,7 +39,7 @@ class VehiclePicture {
  public:
   VehiclePicture(const common::Vehicle& vehicle, const common::ForceTable& table, const PictureSettings& settings);
 
-  /// Shows the designed wings instead of a plain fan at every arm. @param wing  with a blade
+  /// Shows the designed wings; without them no wings are shown. @param wing  with a blade
   void useWing(const common::WingTable& wing) { wing_ = wing; }
 
   /// Same namespaces and ids on every call, so that each call replaces the last picture.
@@ -66,7 +63,6 @@ class VehiclePicture {
   void drawFrame(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawRotors(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawArms(visualization_msgs::MarkerArray& out, const PictureState& state) const;
-  void drawWings(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawLabel(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   geometry_msgs::Point place(double azimuth, double x, double y, double across) const;
 

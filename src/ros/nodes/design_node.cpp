@@ -13,6 +13,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/ros/arm_designer.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/design_job.h"
@@ -70,10 +71,10 @@ class DesignNode {
     ForceDisplacementCurve curve = curveMessage(table);
     geometry.header.frame_id = curve.header.frame_id = frame_;
     geometry.header.stamp = curve.header.stamp = ros::Time::now();
-    const auto computed_for = table.provenance.find("density_sha256");
-    if (computed_for == table.provenance.end() || computed_for->second != geometry.density_sha256) {
-      ROS_WARN_STREAM("stale table: " << vehicle_.arm.table_file << " was not computed from the density now in "
-                                      << vehicle_.arm.density_file);
+    try {  // a design changes the density first: its node shows what is there
+      common::requireOrigin(table, vehicle_, vehicle_.arm.table_file);
+    } catch (const common::Error& error) {
+      ROS_WARN_STREAM("stale table: " << error.what());
     }
     geometry_.publish(geometry);
     curve_.publish(curve);

@@ -7,7 +7,7 @@
 
 #include <chrono>
 
-#include "snapwing/common/force_table.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
@@ -22,7 +22,7 @@ class ReducedModelNode {
 
  private:
   ReducedModelNode(Handles& handles, Params params)
-      : vehicle_(params.vehicle()), trial_(readTrial(params)), model_(makeModel(params)) {
+      : vehicle_(params.vehicle()), trial_(readTrial(params, vehicle_)), model_(makeModel(params)) {
     params.finish();
     service_ = handles.relative.advertiseService(topics::PREDICT_SNAP, &ReducedModelNode::predict, this);
     diagnostics_.setHardwareID(vehicle_.name);
@@ -34,9 +34,9 @@ class ReducedModelNode {
   rom::LumpedModel makeModel(Params& params) const {
     rom::LumpedSettings settings;
     settings.step = params.number("step", {1e-5, 0.01}, "s");
-    const common::ForceTable table = common::loadForceTable(vehicle_.arm.table_file);
+    const common::ForceTable table = common::armTableOf(vehicle_);
     return rom::LumpedModel::fromVehicle(vehicle_, table, common::realise(vehicle_, table), settings,
-                                         common::wingTableOf(vehicle_));
+                                         common::wingTableOf(vehicle_, table));
   }
 
   bool predict(PredictSnap::Request& request, PredictSnap::Response& response) {

@@ -16,7 +16,7 @@
 #include <random>
 #include <thread>
 
-#include "snapwing/common/force_table.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/rom/trial.h"
 #include "snapwing/ros/conversions.h"
@@ -43,17 +43,17 @@ struct SimulationSettings {
   std::string imu_frame;
 };
 
-dynamics::PlantMount plantMount(const std::string& word) {
-  if (word == "free") return dynamics::PlantMount::FREE;
-  return word == "boom" ? dynamics::PlantMount::BOOM : dynamics::PlantMount::HELD;
+dynamics::PlantMount plantMount(rom::Mount mount) {
+  if (mount == rom::Mount::FREE) return dynamics::PlantMount::FREE;
+  return mount == rom::Mount::BOOM ? dynamics::PlantMount::BOOM : dynamics::PlantMount::HELD;
 }
 
-SimulationSettings readSettings(Params& params) {
+SimulationSettings readSettings(Params& params, const common::Vehicle& vehicle) {
   SimulationSettings s;
   s.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
   s.nominal = params.boolean("nominal");
   s.initial_mode = common::modeFromName(params.choice("initial_mode", {"F", "Q"}));
-  s.plant.mount = plantMount(params.choice("mount", {"free", "boom", "held"}));
+  s.plant.mount = plantMount(rom::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount"));
   s.plant.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.plant.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   s.plant.step = params.number("step", {1e-6, 1e-3}, "s");
@@ -81,7 +81,7 @@ class SimulatedVehicleNode {
  private:
   SimulatedVehicleNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
-        settings_(readSettings(params)),
+        settings_(readSettings(params, vehicle_)),
         plant_(makePlant()),
         receiver_(settings_.motor_port, settings_.motor_timeout),
         random_(settings_.seed + 1) {
@@ -95,11 +95,11 @@ class SimulatedVehicleNode {
   }
 
   dynamics::Plant makePlant() const {
-    const common::ForceTable table = common::loadForceTable(vehicle_.arm.table_file);
+    const common::ForceTable table = common::armTableOf(vehicle_);
     const common::VehicleParameters parameters = settings_.nominal
                                                      ? common::realise(vehicle_, table)
                                                      : dynamics::drawParameters(vehicle_, table, settings_.seed);
-    return dynamics::Plant(vehicle_, table, parameters, settings_.plant, common::wingTableOf(vehicle_));
+    return dynamics::Plant(vehicle_, table, parameters, settings_.plant, common::wingTableOf(vehicle_, table));
   }
 
   bool hold(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {

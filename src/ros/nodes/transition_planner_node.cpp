@@ -20,7 +20,7 @@
 #include <map>
 #include <mutex>
 
-#include "snapwing/common/force_table.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
@@ -74,12 +74,16 @@ class TransitionPlannerNode {
   explicit TransitionPlannerNode(Handles& handles) : TransitionPlannerNode(handles, Params::fromServer(handles.own)) {}
 
  private:
+  planning::PulsePlanner makePlanner(Params& params) const {
+    const common::ForceTable table = common::armTableOf(vehicle_);
+    return {vehicle_, table, readPlanner(params), common::wingTableOf(vehicle_, table)};
+  }
+
   TransitionPlannerNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
-        trial_(readTrial(params)),
+        trial_(readTrial(params, vehicle_)),
         settings_(readSwitch(params)),
-        planner_(vehicle_, common::loadForceTable(vehicle_.arm.table_file), readPlanner(params),
-                 common::wingTableOf(vehicle_)),
+        planner_(makePlanner(params)),
         server_(
             handles.relative, topics::SWITCH_MODE, [this](const SwitchModeGoalConstPtr& goal) { onGoal(*goal); },
             false) {

@@ -15,11 +15,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/force_table.h"
+#include "snapwing/common/table_origin.h"
 #include "snapwing/common/wing_table.h"
 #include "snapwing/planning/mode_estimator.h"
 #include "snapwing/ros/conversions.h"
@@ -40,13 +41,12 @@ struct WingStateSettings {
   double link_timeout = 0;    ///< [s] without link status the motors count as stopped
   double state_rate = 0;      ///< [Hz]
   double marker_rate = 0;     ///< [Hz]
-  double wing_gear = 0;       ///< [1] wing rotation / arm rotation, of a vehicle without a wing table
   double display_height = 0;  ///< [m] of base_link over map
   std::string map_frame;
   PictureSettings picture;
 };
 
-WingStateSettings readSettings(Params& params) {
+WingStateSettings readSettings(Params& params, const common::Vehicle& vehicle) {
   WingStateSettings s;
   s.estimator.particles = params.integer("particles", 10, 20000);
   s.estimator.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
@@ -60,7 +60,7 @@ WingStateSettings readSettings(Params& params) {
   s.estimator.travel_error = params.number("travel_error", {0.0, 0.01}, "m");
   s.estimator.step = params.number("step", {1e-4, 0.01}, "s");
   s.estimator.sure = params.number("sure", {0.5, 0.9999}, "1");
-  s.estimator.mount = rom::mountFromName(params.choice("mount", {"free", "boom", "held"}));
+  s.estimator.mount = rom::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
   s.estimator.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.estimator.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   const std::string initial = params.choice("initial_mode", {"F", "Q", "unknown"});
@@ -70,7 +70,6 @@ WingStateSettings readSettings(Params& params) {
   s.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
   s.state_rate = params.number("state_rate", {1.0, 200.0}, "Hz");
   s.marker_rate = params.number("marker_rate", {1.0, 60.0}, "Hz");
-  s.wing_gear = params.number("wing_gear", {0.0, 10.0}, "1");
   s.display_height = params.number("display_height", {-100.0, 100.0}, "m");
   s.map_frame = params.text("map_frame");
   s.picture.ring_frame = params.text("ring_frame");
@@ -93,9 +92,10 @@ class WingStateNode {
  private:
   WingStateNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
-        settings_(readSettings(params)),
-        table_(common::loadForceTable(vehicle_.arm.table_file)),
-        estimator_(vehicle_, table_, settings_.estimator, common::wingTableOf(vehicle_)),
+        settings_(readSettings(params, vehicle_)),
+        table_(common::armTableOf(vehicle_)),
+        wing_(common::wingTableOf(vehicle_, table_)),
+        estimator_(vehicle_, table_, settings_.estimator, wing_),
         picture_(vehicle_, table_, settings_.picture) {
     params.finish();
     useWing();
@@ -183,21 +183,15 @@ class WingStateNode {
   }
 
   void useWing() {
-    if (vehicle_.wing.table_file.empty()) return;
-    wing_ = common::loadWingTable(vehicle_.wing.table_file);
+    if (!wing_) return;
     if (!wing_->hasBlade()) throw common::FileError(vehicle_.wing.table_file, "has no blade: made by an older version");
     picture_.useWing(*wing_);
   }
 
-  /// [rad] 0 = unfolded, positive as the wing folds: by the wing's table at the estimated travel, or by a fixed gear.
+  /// [rad] 0 = unfolded, positive as the wing folds: by the wing's table at the estimated travel. NaN without wings.
   double wingAngle() const {
-    if (wing_) return std::copysign(1.0, wing_->wing_angle.back()) * wing_->at(wing_->wing_angle, estimate_.travel);
-    const auto& u = table_.travel;
-    const double travel = std::clamp(estimate_.travel, u.front(), u.back());
-    const auto upper = std::upper_bound(u.begin() + 1, u.end() - 1, travel);
-    const std::size_t k = static_cast<std::size_t>(upper - u.begin());
-    const double s = (travel - u[k - 1]) / (u[k] - u[k - 1]);
-    return settings_.wing_gear * (table_.rotation[k - 1] + s * (table_.rotation[k] - table_.rotation[k - 1]));
+    if (!wing_) return std::numeric_limits<double>::quiet_NaN();
+    return std::copysign(1.0, wing_->wing_angle.back()) * wing_->at(wing_->wing_angle, estimate_.travel);
   }
 
   void publishFrames(const ros::Time& stamp) {
@@ -215,7 +209,6 @@ class WingStateNode {
   void publishMarkers(const ros::TimerEvent&) {
     PictureState state;
     state.travel = estimate_.travel;
-    state.wing_angle = wingAngle();
     state.mode = estimate_.mode;
     state.stamp = ros::Time::now() - ros::Duration(settings_.input_delay);
     state.label = label();
@@ -264,9 +257,9 @@ class WingStateNode {
   common::Vehicle vehicle_;
   WingStateSettings settings_;
   common::ForceTable table_;
+  std::optional<common::WingTable> wing_;
   planning::ModeEstimator estimator_;
   VehiclePicture picture_;
-  std::optional<common::WingTable> wing_;
   planning::ModeEstimate estimate_;
   std::multimap<double, Input> inputs_;
   LinkStatus link_status_;
