@@ -34,8 +34,9 @@ class Commands(unittest.TestCase):
         os.chmod(self.key, 0o600)
 
     def run_command(self, words):
-        return subprocess.run(["bash", "-c", words], env={**self.bench.environment, "HOME": self.home.name, "ROS_NAMESPACE": ""},
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
+        return subprocess.run(["bash", "-c", words], env={**self.bench.environment, "HOME": self.home.name, "ROS_NAMESPACE": "",
+                                                              "SNAPWING_BUILD": str(PROGRAMS.parents[2])},
+                              cwd=SOURCE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False)
 
     def state(self, wanted, what):
         wait_for(lambda: self.bench.fresh().get("state") == wanted, 3, f"{wanted} after {what}: {self.bench.status()}")
@@ -64,15 +65,15 @@ class Commands(unittest.TestCase):
 
     def test_without_the_key_nothing_is_armed(self):
         self.bench.arm(timeout=30)
-        self.run_command("rosrun snapwing link_command disarm")
+        self.run_command("scripts/link_command disarm")
         done = self.run_command('rosservice call /snapwing/arm "data: true"')
         self.assertIn("no seal", done.stdout)
         self.assertRegex(done.stdout, "success: *False")
         subprocess.run([PROGRAMS / "radio_bridge", "--create-key", self.key + "2"], check=True, capture_output=True)
-        done = self.run_command(f"rosrun snapwing link_command --key-file {self.key}2 arm")
+        done = self.run_command(f"scripts/link_command --key-file {self.key}2 arm")
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("seal is wrong", done.stdout)
-        done = self.run_command(f"rosrun snapwing link_command --vehicle b --namespace /snapwing --key-file {self.key} arm")
+        done = self.run_command(f"scripts/link_command --vehicle b --namespace /snapwing --key-file {self.key} arm")
         self.assertIn("of vehicle 'snapwing'", done.stdout)
         self.assertEqual(self.bench.fresh().get("state"), "idle")
 

@@ -18,6 +18,7 @@ class RosBench(Bench):
     """As Bench, with flight_link_node as the operator's end and a planner process in the console's place."""
     node_settings = {}
     namespace = ""
+    ros_host = "localhost"
 
     def start_console(self, prefix=()):
         """The planner; the first time with all that it needs."""
@@ -25,7 +26,7 @@ class RosBench(Bench):
 
     def start_ros(self):
         port = free_port(socket.SOCK_STREAM)
-        self.environment.update(ROS_MASTER_URI=f"http://localhost:{port}", ROS_HOSTNAME="localhost", ROS_LOG_DIR=self.home.name,
+        self.environment.update(ROS_MASTER_URI=f"http://{self.ros_host}:{port}", ROS_HOSTNAME=self.ros_host, ROS_LOG_DIR=self.home.name,
                                 ROS_NAMESPACE=self.namespace)
         self.master = Process(["rosmaster", "--core", "-p", port], env=self.environment)
         self.processes.append(self.master)
