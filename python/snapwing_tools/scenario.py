@@ -15,7 +15,8 @@ from std_srvs.srv import SetBool
 
 from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, LinkStatus, ModeState, PulseCommand, SwitchModeAction,
                           SwitchModeGoal, SwitchModeResult, VehicleTruth)
-from snapwing.srv import PredictSnap
+from snapwing.srv import Arm, ArmRequest, PredictSnap
+from snapwing_tools import seal
 from snapwing_tools.after_run import make_report
 from snapwing_tools.errors import InputError
 from snapwing_tools.output_file import OutputFiles, printing, require_folder, write_file
@@ -75,7 +76,7 @@ class Scenario:
         # Not the simple client: a quick answer can overtake its bookkeeping and is then lost.
         self.action = actionlib.ActionClient("switch_mode", SwitchModeAction)
         self.services = {name: rospy.ServiceProxy(name, kind) for name, kind in
-                         (("arm", SetBool), ("hold", SetBool), ("ring_held", SetBool), ("predict_snap", PredictSnap))}
+                         (("arm", Arm), ("hold", SetBool), ("ring_held", SetBool), ("predict_snap", PredictSnap))}
 
     def run(self):
         try:
@@ -89,6 +90,8 @@ class Scenario:
             self.stop_boom()
             self.disarm()
         except ScenarioFailure as failure:
+            self.outcome.reason = str(failure)
+        except InputError as failure:
             self.outcome.reason = str(failure)
         except rospy.ROSException as failure:
             self.outcome.reason = f"ROS: {failure}"
@@ -118,7 +121,7 @@ class Scenario:
         deadline = rospy.get_time() + self.options.arm_timeout
         answer = ""
         while not rospy.is_shutdown():
-            reply = self.call("arm", True)
+            reply = self.call("arm", self.arm_request())
             answer = "" if reply.success else reply.message
             until = min(deadline, rospy.get_time() + 1.5)
             while rospy.get_time() < until and not rospy.is_shutdown():
@@ -129,6 +132,13 @@ class Scenario:
             if rospy.get_time() >= deadline:
                 raise ScenarioFailure("arming failed: " + (answer or describe_link(self.listener.latest("link_status"))))
         raise ScenarioFailure("interrupted")
+
+    def arm_request(self):
+        """Sealed as an operator's; the nodes were told where the key lies."""
+        request = ArmRequest(data=True)
+        key = seal.load_key(rospy.get_param("flight_link_node/key_file"))
+        seal.fill(request.seal, key, self.listener.latest("link_status"), seal.arm_content(True))
+        return request
 
     def stop_boom(self):
         """The experimenter brakes the boom to rest and keeps it in the hand; the operator tells the estimator."""
@@ -206,7 +216,7 @@ class Scenario:
 
     def disarm(self):
         say("disarming")
-        self.call("arm", False)
+        self.call("arm", ArmRequest(data=False))
         deadline = rospy.get_time() + 3.0
         self.wait(lambda: not self.listener.latest("link_status").controller_armed, deadline, "disarming failed")
 

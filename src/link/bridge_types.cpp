@@ -58,6 +58,7 @@ std::string describe(Fault fault, std::int64_t detail) {
     case Fault::NONE:
       return "";
     case Fault::ABORTED:
+      if (detail == 4) return "aborted: the operator's node was late with its callbacks";
       return "aborted (reason " + std::to_string(detail) + ")";
     case Fault::HEARTBEAT_LOST:
       return "operator's heartbeat lost for " + milliseconds(detail);

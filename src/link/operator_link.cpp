@@ -236,7 +236,8 @@ bool OperatorLink::beat(const Wish& wish) {
 }
 
 bool OperatorLink::sendHeartbeat(bool arm_switch, bool deadman, bool reset_fault) {
-  const Wish wish = aborting() ? Wish{} : Wish{arm_switch, deadman, reset_fault};
+  const bool held_back = aborting() || (conflict() && !isActive(status_.state));
+  const Wish wish = held_back ? Wish{} : Wish{arm_switch, deadman, reset_fault};
   if (wish_.active() && !wish.active()) {
     const double now = monotonicSeconds();
     repeat_until_ = now + REPEAT_TIME;

@@ -252,6 +252,34 @@ TEST_F(PilotAndBridge, PilotsArmSwitchLatchesTheBridge) {
   EXPECT_EQ(s_.bridge->core().status().fault, Fault::CONTROLLER_DISARMED);
 }
 
+/// A reset needs the pilot's hand off the override switch, not his landing; the next arming needs both switches anew.
+TEST_F(PilotAndBridge, ResetWhileThePilotFliesButHoldsNoSwitch) {
+  takeOff();
+  s_.pilot = sticks(1300, true, false);
+  ASSERT_TRUE(s_.runUntil(0.25, [&] { return state() == BridgeState::FAULT; }));
+  s_.arm_switch = false;
+  s_.pilot = sticks(1300, true, true);
+  s_.run(0.3);
+  s_.reset = true;
+  s_.run(0.1);
+  EXPECT_EQ(state(), BridgeState::FAULT) << "his switch is held";
+  EXPECT_EQ(s_.bridge->core().status().last_refusal, Refusal::RESET_WHILE_ARMED);
+  s_.reset = false;
+  s_.pilot = sticks(1300, true, false);
+  s_.run(0.3);
+  s_.reset = true;
+  s_.run(0.1);
+  EXPECT_EQ(state(), BridgeState::IDLE);
+  EXPECT_TRUE(s_.fc.armed()) << "he flies on";
+  s_.reset = false;
+  s_.pilot = sticks(1300, true, true);
+  s_.run(0.5);
+  EXPECT_EQ(state(), BridgeState::IDLE) << "nothing comes back by itself";
+  s_.arm_switch = true;
+  s_.run(0.3);
+  EXPECT_EQ(state(), BridgeState::ARMED);
+}
+
 class WithoutOverrideBox : public PilotAndBridge {
  protected:
   WithoutOverrideBox() : PilotAndBridge(0) {}

@@ -20,8 +20,8 @@ constexpr char MARKERS[] = "markers";                                ///< visual
 constexpr char TRUTH[] = "truth";                                    ///< snapwing/VehicleTruth, simulation only
 constexpr char PREDICT_SNAP[] = "predict_snap";                      ///< service snapwing/PredictSnap
 constexpr char SWITCH_MODE[] = "switch_mode";                        ///< action snapwing/SwitchMode
-constexpr char ARM[] = "arm";                ///< service std_srvs/SetBool: arm or disarm by the radio link
-constexpr char RESET_LINK[] = "reset_link";  ///< service std_srvs/Trigger: clears a latched bridge fault
+constexpr char ARM[] = "arm";                ///< service snapwing/Arm: arm or disarm by the radio link
+constexpr char RESET_LINK[] = "reset_link";  ///< service snapwing/ResetLink: clears a latched bridge fault
 constexpr char RING_HELD[] = "ring_held";    ///< service std_srvs/SetBool: the operator sees the ring held still
 constexpr char HOLD[] = "hold";              ///< service std_srvs/SetBool: a hand brakes the boom, simulation only
 

@@ -39,16 +39,17 @@ void printStatus(const link::OperatorLink& link, double now) {
       "%lld, "
       "\"rejected\": %lld, \"refusal\": \"%s\", \"latency_worst\": %.6f, \"connected\": %d, \"known\": %d, \"armed\": "
       "%d, "
-      "\"failsafe\": %d, \"flags\": %u, \"missed\": %lld, \"realtime\": %d, \"locked\": %d, \"periods\": [%s]}\n",
+      "\"hint\": \"%s\", \"failsafe\": %d, \"flags\": %u, \"missed\": %lld, \"realtime\": %d, \"locked\": %d, "
+      "\"periods\": [%s]}\n",
       now, s.frame_time, link::stateName(s.state), link::describe(s.fault, s.fault_detail).c_str(),
       static_cast<long long>(s.pulse_id), s.commanded_throttle, s.channels.us[link::THROTTLE],
       s.channels.us[link::AUX1], static_cast<long long>(s.frames_sent), static_cast<long long>(s.frames_dropped),
       static_cast<long long>(s.commands_accepted), static_cast<long long>(s.commands_refused),
       static_cast<long long>(link.messagesRejectedByBridge()),
       link::describe(s.last_refusal, s.last_refusal_detail).c_str(), s.latency_worst, s.controller.connected ? 1 : 0,
-      s.controller.known ? 1 : 0, s.controller.armed ? 1 : 0, s.controller.failsafe ? 1 : 0, s.controller.arming_flags,
-      static_cast<long long>(link.counters().missed), s.realtime ? 1 : 0, s.memory_locked ? 1 : 0,
-      listed(s.period_histogram).c_str());
+      s.controller.known ? 1 : 0, s.controller.armed ? 1 : 0, link.hint().c_str(), s.controller.failsafe ? 1 : 0,
+      s.controller.arming_flags, static_cast<long long>(link.counters().missed), s.realtime ? 1 : 0,
+      s.memory_locked ? 1 : 0, listed(s.period_histogram).c_str());
 }
 
 void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
@@ -70,7 +71,7 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
   if (verb == "quit") o.quit = true;
   if (verb == "abort") {  // repeated until the bridge shows the fault; switch and deadman stay off afterwards
     o.arm = o.deadman = false;
-    if (!link.abort(snapwing_lcm::abort_t::OPERATOR)) std::printf("{\"note\": \"no radio bridge was ever heard\"}\n");
+    if (!link.abort(snapwing_lcm::abort_t::OPERATOR)) std::printf("{\"said\": \"no radio bridge was ever heard\"}\n");
   }
   if (verb == "pulse") {
     long long id = 0;

@@ -25,6 +25,7 @@
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/planning_conversions.h"
+#include "snapwing/ros/seal_conversions.h"
 #include "snapwing/ros/topics.h"
 
 namespace snapwing::nodes {
@@ -36,6 +37,8 @@ struct SwitchSettings {
   double accept_timeout = 0;  ///< [s] the bridge must have taken the pulse within this time
   double settle_timeout = 0;  ///< [s] after the pulse's end
   double settle_hold = 0;     ///< [s] the estimate must stay in one mode for this long
+  std::string key_file;       ///< of the link; empty = plans only
+  std::string vehicle_id;
 };
 
 SwitchSettings readSwitch(Params& params) {
@@ -44,6 +47,8 @@ SwitchSettings readSwitch(Params& params) {
   s.accept_timeout = params.number("accept_timeout", {0.05, 5.0}, "s");
   s.settle_timeout = params.number("settle_timeout", {0.1, 30.0}, "s");
   s.settle_hold = params.number("settle_hold", {0.0, 5.0}, "s");
+  s.key_file = params.textOr("key_file", "");
+  s.vehicle_id = params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID);
   return s;
 }
 
@@ -222,7 +227,19 @@ class TransitionPlannerNode {
     return result.plan.accepted || finish(result, Result::REFUSED, "no safe pulse: " + result.plan.reason);
   }
 
+  void seal(PulseCommand& command) {
+    const LinkStatus heard = link();
+    const link::CommandSealer sealer(key_, settings_.vehicle_id);
+    command.seal = toMessage(sealer.seal(link::pulseContent(command.id, command.pulse.throttle, command.pulse.duration,
+                                                            command.mixed != 0, command.pitch),
+                                         heard.session, heard.number));
+  }
+
   bool ready(common::Mode start, Result& result) {
+    if (settings_.key_file.empty()) {
+      return finish(result, Result::NOT_READY, "no key_file is given: pulses cannot be sealed, this node plans only");
+    }
+    key_ = link::loadKeyFile(settings_.key_file);
     const std::string trouble = linkTrouble();
     if (!trouble.empty()) return finish(result, Result::NOT_READY, trouble);
     if (link().bridge_state != LinkStatus::BRIDGE_ARMED) {
@@ -243,9 +260,16 @@ class TransitionPlannerNode {
     command.id = last_id_;
     command.pulse = result.plan.pulse;
     const LinkStatus before = link();
-    pulse_publisher_.publish(command);
+    ros::WallTime next_publication;
     ros::Rate rate(50);
     for (bool accepted = false;; rate.sleep()) {
+      // A seal holds for a tenth of a second only: on a busy machine the first may come too late. The link takes an id
+      // only once.
+      if (!accepted && ros::WallTime::now() >= next_publication) {
+        seal(command);
+        pulse_publisher_.publish(command);
+        next_publication = ros::WallTime::now() + ros::WallDuration(0.06);
+      }
       const double elapsed = (ros::Time::now() - commanded).toSec();
       const std::string trouble = linkTrouble();
       if (!trouble.empty()) return finish(result, Result::LINK_LOST, trouble);
@@ -316,6 +340,7 @@ class TransitionPlannerNode {
   planning::PulsePlanner planner_;
   std::map<common::Mode, TransitionPlan> plans_;  ///< accepted ones, by target
   std::uint32_t last_id_ = 0;
+  link::Key key_{};
   mutable std::mutex mutex_;  ///< guards what follows
   LinkStatus link_;
   ModeState mode_;

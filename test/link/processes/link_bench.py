@@ -181,11 +181,15 @@ class Bench:
     """One set of programs on ports of their own; a context manager that leaves nothing behind."""
 
     def __init__(self, folder, line="tcp", protocol="msp2", boot_grace=0.3, bridge_options=(), lcm_url=None,
-                 standin_options=(), through=None, bridge_url=None, environment=None, bridge_prefix=()):
+                 standin_options=(), through=None, bridge_url=None, environment=None, bridge_prefix=(), vehicle="snapwing", key=None):
         self.programs = pathlib.Path(folder)
         self.home = tempfile.TemporaryDirectory(prefix="link_bench_")
         self.key = os.path.join(self.home.name, "key")
-        subprocess.run([self.programs / "radio_bridge", "--create-key", self.key], check=True, capture_output=True)
+        if key:
+            self.key = key
+        else:
+            subprocess.run([self.programs / "radio_bridge", "--create-key", self.key], check=True, capture_output=True)
+        self.vehicle = vehicle
         self.url = lcm_url or f"udpm://239.255.76.67:{free_port(socket.SOCK_DGRAM)}?ttl=0"
         self.bridge_url = bridge_url or self.url
         self.environment = {**os.environ, **(environment or {})}
@@ -195,6 +199,7 @@ class Bench:
         self.motors = Motors(self.events)
         self.statuses = []
         self.sent = []  # publications of pulse commands
+        self.said = []  # other words of the console
         self.processes = []
         self.bridge_options = list(bridge_options)
         self.protocol = protocol
@@ -239,16 +244,17 @@ class Bench:
 
     def start_bridge(self, prefix=(), **options):
         return self.start("radio_bridge", ["--fc", self.line, "--lcm-url", self.bridge_url, "--key-file", self.key,
-                                           "--protocol", self.protocol, *self.bridge_options],
+                                           "--vehicle", self.vehicle, "--protocol", self.protocol, *self.bridge_options],
                           prefix=[*prefix, *self.bridge_prefix], **options)
 
     def start_console(self, prefix=()):
-        return self.start("link_console", ["--lcm-url", self.url, "--key-file", self.key], self._status, prefix=prefix)
+        return self.start("link_console", ["--lcm-url", self.url, "--key-file", self.key, "--vehicle", self.vehicle],
+                          self._status, prefix=prefix)
 
     def _status(self, line):
         with contextlib.suppress(ValueError):
             said = json.loads(line)
-            (self.sent if "sent" in said else self.statuses).append(said)
+            (self.sent if "sent" in said else self.said if "said" in said else self.statuses).append(said)
 
     def status(self):
         return self.statuses[-1] if self.statuses else {"state": "none", "known": 0, "connected": 0, "armed": 0, "flags": -1}

@@ -7,17 +7,29 @@ import time
 
 import rospy
 from snapwing.msg import LinkStatus, PulseCommand
-from std_srvs.srv import SetBool, Trigger
+from snapwing.srv import Arm, ArmRequest, ResetLink, ResetLinkRequest
+from snapwing_tools import seal
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
 
 STATES = {LinkStatus.BRIDGE_IDLE: "idle", LinkStatus.BRIDGE_ARMED: "armed", LinkStatus.BRIDGE_PULSE: "pulse",
           LinkStatus.BRIDGE_FAULT: "fault"}
 
 
+HEARD = {}
+
+
 def on_status(message):
+    HEARD["status"] = message
     print(json.dumps({"t": time.monotonic(), "state": STATES.get(message.bridge_state, "unknown"), "fault": message.bridge_fault,
                       "pulse_id": message.pulse_id, "frames": message.frames_sent, "refused": message.commands_refused,
                       "refusal": message.last_refusal, "armed": int(message.controller_armed),
                       "flags": message.arming_disable_flags}), flush=True)
+
+
+def sealed(message, key, content):
+    seal.fill(message.seal, key, HEARD["status"], content)
+    return message
 
 
 def call(name, kind, *arguments):
@@ -29,26 +41,63 @@ def call(name, kind, *arguments):
     threading.Thread(target=run, daemon=True).start()
 
 
+class Deadman:
+    """A joystick's button: while held, a message each 20 ms; let go, one that says so."""
+
+    def __init__(self):
+        self.publisher = rospy.Publisher("command/deadman", Bool, queue_size=1, tcp_nodelay=True)
+        self.held = False
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self):
+        while True:
+            if self.held:
+                self.publisher.publish(True)
+            time.sleep(0.02)
+
+    def set(self, held):
+        self.held = held
+        if not held:
+            tell_time("deadman")
+            self.publisher.publish(False)
+
+
+def tell_time(what):
+    print(json.dumps({"said": what, "t": time.monotonic()}), flush=True)
+
+
+def abort(service):
+    def run():
+        tell_time("abort")
+        service()
+    threading.Thread(target=run, daemon=True).start()
+
+
 def main():
     rospy.init_node("planner", anonymous=True, disable_signals=True)
     pulses = rospy.Publisher("command/pulse", PulseCommand, queue_size=1, tcp_nodelay=True)
     rospy.Subscriber("link_status", LinkStatus, on_status, tcp_nodelay=True)
+    abort_service, deadman = rospy.ServiceProxy("abort", Trigger, persistent=True), Deadman()
+    key = seal.load_key(rospy.get_param("flight_link_node/key_file"))
     for line in sys.stdin:
         words = line.split()
         if words[0] == "arm":
-            call("arm", SetBool, True)
+            call("arm", Arm, sealed(ArmRequest(data=True), key, seal.arm_content(True)))
         elif words[0] == "disarm":
-            call("arm", SetBool, False)
+            call("arm", Arm, ArmRequest(data=False))
         elif words[0] == "reset":
-            call("reset_link", Trigger)
+            call("reset_link", ResetLink, sealed(ResetLinkRequest(), key, seal.reset_content()))
         elif words[0] == "abort":
-            call("abort", Trigger)
+            abort(abort_service)
+        elif words[0] == "deadman":
+            deadman.set(words[1] == "on")
         elif words[0] == "pulse":
             command = PulseCommand()
             command.header.stamp = rospy.Time.now()
             command.id = int(words[1])
             command.pulse.throttle, command.pulse.duration = float(words[2]), float(words[3])
-            pulses.publish(command)
+            content = seal.pulse_content(command.id, command.pulse.throttle, command.pulse.duration)
+            pulses.publish(sealed(command, key, content))
 
 
 if __name__ == "__main__":

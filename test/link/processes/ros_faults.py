@@ -16,6 +16,9 @@ START = 60  # s, for what Python starts on a machine at work
 
 class RosBench(Bench):
     """As Bench, with flight_link_node as the operator's end and a planner process in the console's place."""
+    node_settings = {}
+    namespace = ""
+    ros_host = "localhost"
 
     def start_console(self, prefix=()):
         """The planner; the first time with all that it needs."""
@@ -23,7 +26,8 @@ class RosBench(Bench):
 
     def start_ros(self):
         port = free_port(socket.SOCK_STREAM)
-        self.environment.update(ROS_MASTER_URI=f"http://localhost:{port}", ROS_HOSTNAME="localhost", ROS_LOG_DIR=self.home.name)
+        self.environment.update(ROS_MASTER_URI=f"http://{self.ros_host}:{port}", ROS_HOSTNAME=self.ros_host, ROS_LOG_DIR=self.home.name,
+                                ROS_NAMESPACE=self.namespace)
         self.master = Process(["rosmaster", "--core", "-p", port], env=self.environment)
         self.processes.append(self.master)
         api = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
@@ -33,13 +37,15 @@ class RosBench(Bench):
                 return api.getPid("/bench")[0] == 1
         wait_for(answers, START, "ROS master")
         settings = yaml.safe_load((HERE.parents[2] / "config/nodes/flight_link_node.yaml").read_text())
+        settings.update(self.node_settings)
         for key, value in settings.items():
-            api.setParam("/bench", "/flight_link_node/" + key, value)
+            api.setParam("/bench", self.namespace + "/flight_link_node/" + key, value)
+        api.setParam("/bench", self.namespace + "/flight_link_node/key_file", self.key)
         self.node = self.start_node()
         return self.start_planner()
 
     def start_node(self):
-        return self.start("flight_link_node", [f"_lcm_url:={self.url}", f"_key_file:={self.key}"])
+        return self.start("flight_link_node", [f"_lcm_url:={self.url}", f"_key_file:={self.key}", f"_vehicle_id:={self.vehicle}"])
 
     def start_planner(self):
         planner = Process(["/usr/bin/python3", HERE / "ros_console.py"], self._status, env=self.environment)
