@@ -14,7 +14,9 @@ constexpr double SILENCE_LIMIT = 0.2;  ///< [s] without any answer after which t
 /// that stands still must not be left with a store of thrust frames. The controller takes 10.4 ms for each, and 20 ms
 /// after a gap before thrust returns: one stale frame is followed by a safe one in time.
 constexpr int WINDOW = 2;
-constexpr int THRUST_WINDOW = 1;      ///< a frame with thrust leaves only when the one before it was answered
+constexpr int THRUST_WINDOW = 1;  ///< a frame with thrust leaves only when the one before it was answered
+/// [s] before a pulse's end in which no question is asked: one turn of the controller.
+constexpr double QUIET_BEFORE_END = 0.0115;
 constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
 
 bool speaksMsp(Protocol protocol) { return protocol == Protocol::MSP1 || protocol == Protocol::MSP2; }
@@ -42,9 +44,9 @@ Protocol protocolFromName(const std::string& name) {
 }
 
 LineSettings lineSettings(Protocol protocol) {
-  if (protocol == Protocol::SBUS) return {100000, Parity::EVEN, 2};
-  if (protocol == Protocol::CRSF) return {420000, Parity::NONE, 1};
-  return {115200, Parity::NONE, 1};
+  if (protocol == Protocol::SBUS) return {100000, Parity::EVEN, 2, false};
+  if (protocol == Protocol::CRSF) return {420000, Parity::NONE, 1, true};
+  return {115200, Parity::NONE, 1, true};
 }
 
 BridgeLoop::BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool readback,
@@ -64,6 +66,11 @@ WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
 }
 
 WireFrame BridgeLoop::safeFrame(Protocol protocol) { return encodeFrame(protocol, safeChannels()); }
+
+void BridgeLoop::publishTo(GuardianRecord& record) {
+  record_ = &record;
+  transport_.publishOpenBytes(record.open_bytes);
+}
 
 void BridgeLoop::drainInbox(double now) {
   Inbound message;
@@ -90,7 +97,9 @@ void BridgeLoop::updateConnection(double now) {
 }
 
 bool BridgeLoop::windowOpen(double now) {
-  const int window = core_.status().commanded_throttle > 0.0 ? THRUST_WINDOW : WINDOW;
+  const bool thrust = core_.status().commanded_throttle > 0.0;
+  if (thrust && !transport_.empty()) return false;
+  const int window = thrust ? THRUST_WINDOW : WINDOW;
   if (!readback_ || watch_.unansweredFrames() < window) {
     window_closed_since_ = -1;
     return true;
@@ -118,10 +127,15 @@ void BridgeLoop::frame(double now) {
   updateConnection(now);
   drainInbox(now);
   const Channels& channels = core_.tick(now);
+  const BridgeState state = core_.status().state;
+  const bool active = state == BridgeState::ARMED || state == BridgeState::PULSE;
+  if (active) record_->active = true;
   const WireFrame wire = encodeFrame(protocol_, channels);
   const bool written = transport_.connected() && windowOpen(now) && transport_.write(wire.bytes.data(), wire.size, now);
   core_.onSent(written, now);
   if (written) watch_.noteFrame();
+  if (written && !active) record_->active = false;
+  record_->beat.fetch_add(1);
   outbox_.push({core_.status(), watch_.telemetry()});
 }
 
@@ -140,7 +154,9 @@ void BridgeLoop::receive(double now) {
     for (std::size_t i = 0; i < got; ++i) {
       if (!parser_.push(bytes[i])) continue;
       watch_.onPacket(parser_.packet(), now);
-      if (parser_.packet().id == MSP_SET_RAW_RC && !core_.urgent()) ask(now);
+      if (parser_.packet().id == MSP_SET_RAW_RC && !core_.urgent() && !core_.endsWithin(QUIET_BEFORE_END, now)) {
+        ask(now);
+      }
     }
     if (got < bytes.size()) break;
   }

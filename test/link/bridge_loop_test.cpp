@@ -99,6 +99,30 @@ TEST(BridgeLoop, CommandReachesTheLineWithinAPeriod) {
   EXPECT_EQ(s.port.lostBytes(), 0);
 }
 
+/// Pulses of any length at any phase of frames, answers and questions, between the motors' crossings of half of the
+/// thrust: both edges wait for a turn of the controller (10.4 ms), and for nothing else.
+TEST(BridgeLoop, PulsesOverMspHaveTheirLength) {
+  std::mt19937 rng(13);
+  std::uniform_real_distribution<double> moment(0.2, 0.4), length(0.05, 0.4);
+  Simulation s;
+  s.arm();
+  int near = 0;
+  constexpr int TRIALS = 300, HALF = (1070 + 1509) / 2;
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    s.run(moment(rng));
+    const double wanted = length(rng);
+    s.command(0.5, wanted);
+    ASSERT_TRUE(s.runUntil(0.1, [&] { return s.fc.motorMicroseconds() > HALF; }));
+    const double rise = s.now;
+    ASSERT_TRUE(s.runUntil(1.0, [&] { return s.fc.motorMicroseconds() <= HALF; }));
+    const double off = s.now - rise - wanted;
+    EXPECT_GT(off, -0.015);
+    EXPECT_LT(off, 0.015);
+    if (std::abs(off) <= 0.010) ++near;
+  }
+  EXPECT_GE(near, 0.95 * TRIALS);
+}
+
 /// kill -9 at 100 moments of a pulse: idle after 350 ms typically and 450 ms at worst, failsafe at 1.5 s, and nothing
 /// comes back.
 TEST(BridgeLoop, KilledBridge) {

@@ -242,6 +242,10 @@ class Bench:
                                            "--protocol", self.protocol, *self.bridge_options],
                           prefix=[*prefix, *self.bridge_prefix], **options)
 
+    def guardian(self):
+        """@return process id, as the bridge says"""
+        return next(int(line.split("guardian ")[1]) for line in self.bridge.lines if "guardian " in line)
+
     def start_console(self, prefix=()):
         return self.start("link_console", ["--lcm-url", self.url, "--key-file", self.key], self._status, prefix=prefix)
 
