@@ -352,9 +352,7 @@ void BridgeCore::beginPulse(double now) {
   schedule(now);
 }
 
-bool BridgeCore::endsWithin(double seconds, double now) const {
-  return status_.state == BridgeState::PULSE && pulse_begun_ && pulse_end_ - now < seconds;
-}
+bool BridgeCore::endsWithin(double seconds, double now) const { return inPulse() && pulse_end_ - now < seconds; }
 
 void BridgeCore::noteLatency(double age) {
   count(status_.latency_histogram, std::max(age, 0.0));

@@ -56,6 +56,9 @@ class BridgeCore {
   double earliestFrameTime() const;
   /// A pulse's last frame is due within so many seconds: nothing may go out now that the controller would serve first.
   bool endsWithin(double seconds, double now) const;
+  /// A frame of a pulse was written, and the pulse is in force.
+  bool inPulse() const { return status_.state == BridgeState::PULSE && pulse_begun_; }
+  double pulseEnd() const { return pulse_end_; }  ///< [s] while inPulse()
   /// Advances the state machine and gives the channels to send now. Call at nextFrameTime(), or earlier if urgent().
   const Channels& tick(double now);
   /// The line took the frame of the last tick, or did not.

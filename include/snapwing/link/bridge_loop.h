@@ -57,6 +57,8 @@ class BridgeLoop {
   /// When the next frame is due: the core's grid, or earlier when a message has changed what must be sent and nothing
   /// is on its way that the controller would have to serve first.
   double nextFrameTime(double now) const;
+  /// When takeIn() or frame() has something to do by itself.
+  double nextWakeTime(double now) const;
   /// One frame: call when now >= nextFrameTime(now).
   void frame(double now);
   /// Takes messages and what the line has brought, without sending a frame.
@@ -71,7 +73,8 @@ class BridgeLoop {
   void receive(double now);
   void updateConnection(double now);
   bool windowOpen(double now);
-  void ask(double now);
+  void ask(double now, bool always = false);
+  bool proofDue(double now) const;
 
   Protocol protocol_;
   bool readback_;
@@ -85,6 +88,9 @@ class BridgeLoop {
   GuardianRecord* record_ = &own_record_;
   int seen_connections_ = 0;
   double window_closed_since_ = -1;
+  double last_frame_ = -1e9;  ///< [s] written
+  bool proof_asked_ = false;
+  double proof_ = -1e9;  ///< [s] when a question asked since the last frame was answered
 };
 
 }  // namespace snapwing::link

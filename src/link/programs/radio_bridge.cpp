@@ -173,7 +173,7 @@ void run(link::BridgeLoop& loop, Surroundings& around) {
       if (loop.core().shutdownDone(now)) return;
     } else {
       loop.takeIn(now);
-      waiter.sleep(loop.nextFrameTime(now), around.transport.connected() ? around.transport.descriptor() : -1);
+      waiter.sleep(loop.nextWakeTime(now), around.transport.connected() ? around.transport.descriptor() : -1);
     }
   }
 }

@@ -106,15 +106,17 @@ class Witness:
     its cores at times) show here, and no program could have done better during them."""
 
     def __enter__(self):
-        self.processes = [subprocess.Popen(["/usr/bin/python3", "-c", WITNESS, str(core)], stdout=subprocess.PIPE, text=True)
-                          for core in os.sched_getaffinity(0)]
+        self.stalls = []  # (begin, end), grows while it runs
+        self.processes = [Process(["/usr/bin/python3", "-c", WITNESS, str(core)], self._note) for core in os.sched_getaffinity(0)]
         return self
+
+    def _note(self, line):
+        if line.count(" ") == 1:
+            self.stalls.append(tuple(map(float, line.split())))
 
     def __exit__(self, *_):
         for process in self.processes:
             process.kill()
-        text = "".join(process.communicate()[0] for process in self.processes)
-        self.stalls = [tuple(map(float, line.split())) for line in text.splitlines() if line.count(" ") == 1]
 
     def saw(self, begin, end):
         return any(start < end and begin < stop for start, stop in self.stalls)

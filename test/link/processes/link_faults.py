@@ -1,14 +1,12 @@
 """Faults of the link, each a class with a promise and a trial. A trial begins armed and with the motors at a pulse's thrust, does
 the harm at a random moment and says when the motors were at idle or off; whether thrust came back is judged for all alike."""
 import contextlib
-import mmap
 import os
 import random
 import signal
 import socket
 import struct
 import subprocess
-import tempfile
 import time
 
 from link_bench import IDLE, Bench, NotBegun, be_firm, free_port, wait_for
@@ -83,6 +81,11 @@ class Fault:
         raise AssertionError(f"motors never idle: harm at {since}, {self.bench.motors.events()[-8:]}, {self.bench.status()}")
 
 
+def preload(name):
+    """@return assignment for env(1)"""
+    return "LD_PRELOAD=" + os.path.join(os.environ["SNAPWING_TEST_HELPERS"], f"lib{name}.so")
+
+
 class Killed(Fault):
     """kill -9, later started again."""
     victim = ""
@@ -114,204 +117,6 @@ class Stopped(Fault):
         def undo():
             time.sleep(max(0.0, since + pause - time.monotonic()))
             process.signal(signal.SIGCONT)
-        return since, undo
-
-
-class BridgeKilled(Killed):
-    name = "radio_bridge: kill -9, then started again"
-    promise, typical = GUARDIAN, TYPICAL
-    guard = "guardian"
-    victim = "bridge"
-
-
-class BridgeStopped(Killed):
-    name = "radio_bridge: SIGSTOP; ended by the guardian, started again"
-    promise, typical = GUARDIAN, TYPICAL
-    guard = "guardian"
-    victim = "bridge"
-    signal = signal.SIGSTOP
-
-
-class BridgeTerminated(Fault):
-    name = "radio_bridge: SIGTERM, SIGINT, SIGHUP"
-    guard = "bridge: safe frames before it ends"
-    signals = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
-
-    def harm(self):
-        bench = self.bench
-        bench.bridge.signal(self.rng.choice(self.signals))
-
-        def undo():
-            bench.bridge.child.wait(3)
-            bench.bridge.kill()
-            bench.bridge = bench.start_bridge()
-        return None, undo
-
-
-class BridgeCrashed(BridgeTerminated):
-    name = "radio_bridge: SIGSEGV, SIGABRT, SIGBUS, SIGTRAP sent to it"
-    promise, typical = GUARDIAN, TYPICAL
-    guard = "guardian"
-    signals = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGTRAP)
-
-
-class Injected(Fault):
-    """A fault inside radio_bridge, by fault_injection.c: tens say where (10 main loop, 20 thread that receives from the network, 30 any other
-    thread, 40 clocks), ones what."""
-    promise, typical = GUARDIAN, TYPICAL
-    guard = "guardian"
-    fault = 0
-    argument = (0, 0)  # ms, drawn between these
-
-    def bench_options(self):
-        file, self.path = tempfile.mkstemp(prefix="link_fault_")
-        os.write(file, bytes(24))
-        os.close(file)
-        with open(self.path, "r+b") as handle:
-            self.order = mmap.mmap(handle.fileno(), 24)
-        return {"bridge_prefix": ["env", "LD_PRELOAD=" + preload("fault_injection")["LD_PRELOAD"], "SNAPWING_FAULT=" + self.path]}
-
-    def close(self):
-        super().close()
-        os.unlink(self.path)
-
-    def harm(self):
-        bench = self.bench
-        self.order[8:24] = struct.pack("qq", self.rng.randint(*self.argument), 0)
-        self.order[0:8] = struct.pack("q", self.fault)
-        wait_for(lambda: struct.unpack("q", self.order[16:24])[0] != 0, 2, "fault is done")
-        since = 1e-6 * struct.unpack("q", self.order[16:24])[0]
-
-        def undo():
-            time.sleep(max(0.0, since + self.rng.uniform(0.31, 1.0) - time.monotonic()))
-            self.order[0:24] = bytes(24)
-            if not self.survives or bench.bridge.child.poll() is not None:
-                bench.bridge.kill()
-                bench.bridge = bench.start_bridge()
-        return since, undo
-
-    survives = False
-
-
-class SegvMain(Injected):
-    name = "segmentation fault in the bridge's loop"
-    fault = 11
-
-
-class SegvNetwork(Injected):
-    name = "segmentation fault in the thread that reads the network (LCM's, all signals blocked)"
-    fault = 21
-
-
-class SegvOther(Injected):
-    name = "segmentation fault in another thread of the bridge"
-    fault = 31
-
-
-class AbortMain(Injected):
-    name = "abort (as by std::terminate) in the bridge's loop"
-    fault = 12
-
-
-class AbortNetwork(Injected):
-    name = "abort in the thread that reads the network"
-    fault = 22
-
-
-class AbortOther(Injected):
-    name = "abort in another thread of the bridge"
-    fault = 32
-
-
-class MemoryMain(Injected):
-    name = "the bridge's loop takes memory without end"
-    fault = 13
-
-
-class MemoryNetwork(Injected):
-    name = "the thread that reads the network takes memory without end"
-    fault = 23
-
-
-class Stalled(Injected):
-    name = "the bridge's loop stands still for 90 to 600 ms"
-    fault = 14
-    argument = (90, 600)
-
-
-class Spinning(Injected):
-    name = "the bridge's loop turns without end at its real-time priority"
-    fault = 15
-
-
-class ExitOther(Injected):
-    name = "another thread ends the bridge's process"
-    fault = 37
-
-
-class ClockStill(Injected):
-    name = "monotonic clock stands still while the others go on"
-    guard = "bridge: clocks disagree; guardian"
-    fault = 40
-
-
-class Suspended(Injected):
-    name = "suspended for 0.1 to 3 s: monotonic clock lost that time"
-    promise = 0.04
-    typical = None
-    guard = "bridge: clocks disagree"
-    fault = 41
-    argument = (100, 3000)
-    survives = True
-
-
-class WallClockSet(Suspended):
-    name = "wall clock set by an hour"
-    fault = 42
-    argument = (-3600000, 3600000)
-
-
-class GuardianKilled(Fault):
-    name = "guardian: kill -9"
-    promise = 0.06
-    guard = "bridge: refuses to pulse without it"
-    signal = signal.SIGKILL
-
-    def harm(self):
-        bench = self.bench
-        os.kill(bench.guardian(), self.signal)
-
-        def undo():
-            bench.bridge.kill()
-            bench.bridge = bench.start_bridge()
-        return None, undo
-
-
-class GuardianStopped(GuardianKilled):
-    name = "guardian: SIGSTOP"
-    promise = 0.20
-    guard = "bridge: the guardian does not move"
-    signal = signal.SIGSTOP
-
-    def harm(self):
-        guardian = self.bench.guardian()
-        since, undo = super().harm()
-
-        def kill_both():
-            os.kill(guardian, signal.SIGKILL)
-            undo()
-        return since, kill_both
-
-
-class GuardianThenBridge(GuardianKilled):
-    name = "guardian: kill -9, and the bridge at once after it"
-    promise = CONTROLLER
-    typical = 0.35
-    guard = "flight controller: throttle hold"
-
-    def harm(self):
-        since, undo = super().harm()
-        self.bench.bridge.signal(signal.SIGKILL)
         return since, undo
 
 
@@ -483,9 +288,11 @@ class Delayed(Relayed, Lasting):
 
 
 class OnSerial(Fault):
+    keeps = False
+
     def bench_options(self):
         def through(bench):
-            self.cable = SerialRelay(bench.far, bench.home.name)
+            self.cable = SerialRelay(bench.far, bench.home.name, self.keeps)
             return "serial:" + self.cable.path
         return {"line": "pty", "through": through}
 
@@ -509,6 +316,12 @@ class SerialBlocked(OnSerial):
             time.sleep(max(0.0, since + pause - time.monotonic()))
             self.cable.order("free")
         return since, undo
+
+
+class SerialKeeps(SerialBlocked):
+    name = "serial adapter that keeps what it was given, blocked, then free again"
+    keeps = True
+    guard = "flight controller; thrust leaves only right behind an answer"
 
 
 class SerialHalfFrame(SerialBlocked):
@@ -536,17 +349,13 @@ class SerialNoisy(OnSerial, Lasting):
         return None, lambda: self.cable.order("clean")
 
 
-def preload(name):
-    return {"LD_PRELOAD": os.path.join(os.environ["SNAPWING_TEST_HELPERS"], f"lib{name}.so")}
-
-
 class ShortWrites(Lasting):
     name = "every third frame written only in part"
     guard = "bridge: the rest goes first"
     promise = 0.06  # the safe frame itself may be one of them
 
     def bench_options(self):
-        return {"line": "pty", "bridge_prefix": ["env", "LD_PRELOAD=" + preload("short_writes")["LD_PRELOAD"]]}
+        return {"line": "pty", "bridge_prefix": ["env", preload("short_writes")]}
 
 
 class DiskFull(Lasting):
@@ -622,8 +431,6 @@ class LogReplayed(Lasting):
         return since, 0.0, bench.motors.highest(since)
 
 
-INJECTED = [SegvMain, SegvNetwork, SegvOther, AbortMain, AbortNetwork, AbortOther, MemoryMain, MemoryNetwork, Stalled, Spinning, ExitOther,
-            ClockStill, Suspended, WallClockSet]
-ALL = [BridgeKilled, BridgeStopped, BridgeTerminated, BridgeCrashed, *INJECTED, GuardianKilled, GuardianStopped, GuardianThenBridge, OperatorKilled, OperatorStopped, Aborted, DeadmanReleased, NetworkGone,
-       SerialBlocked, SerialHalfFrame, ShortWrites, SerialUnplugged, SerialNoisy, Flood, Forged, Malformed, Duplicated, Reordered,
+ALL = [OperatorKilled, OperatorStopped, Aborted, DeadmanReleased, NetworkGone,
+       SerialBlocked, SerialKeeps, SerialHalfFrame, ShortWrites, SerialUnplugged, SerialNoisy, Flood, Forged, Malformed, Duplicated, Reordered,
        Replayed, Delayed, LogReplayed, DiskFull, CpuStarved]

@@ -7,6 +7,7 @@ import time
 import unittest
 
 import link_faults
+import process_faults
 from link_bench import IDLE, OFF, Bench, wait_for
 
 PROGRAMS = os.environ.get("SNAPWING_PROGRAMS", ".")
@@ -79,7 +80,7 @@ class Processes(unittest.TestCase):
                 self.assertRegex("\n".join(bench.bridge.lines), r"went out in 1\d frames over 3\d\d ms")
 
     def test_any_fault_of_the_program_ends_in_the_guardian(self):
-        for kind in link_faults.INJECTED:
+        for kind in process_faults.INJECTED:
             with self.subTest(fault=kind.__name__):
                 fault = kind(PROGRAMS, 0)
                 try:
