@@ -125,7 +125,10 @@ double BridgeLoop::nextFrameTime(double now) const {
     if (proof_ > last_frame_) return core_.earliestFrameTime();
     return std::min(core_.nextFrameTime() + PROOF_PATIENCE, core_.pulseEnd());
   }
-  const bool free = !readback_ || (watch_.unansweredFrames() == 0 && !watch_.asking(now));
+  // A low frame waits for nothing: behind a question it is served as soon as after the question's answer.
+  const BridgeState state = core_.status().state;
+  const bool low = state == BridgeState::IDLE || state == BridgeState::FAULT;
+  const bool free = !readback_ || low || (watch_.unansweredFrames() == 0 && !watch_.asking(now));
   return core_.urgent() && free ? core_.earliestFrameTime() : core_.nextFrameTime();
 }
 
@@ -178,6 +181,7 @@ void BridgeLoop::ask(double now, bool always) {
 }
 
 void BridgeLoop::receive(double now) {
+  transport_.finish();
   std::array<std::uint8_t, 512> bytes;
   while (const std::size_t got = transport_.read(bytes.data(), bytes.size())) {
     for (std::size_t i = 0; i < got; ++i) {

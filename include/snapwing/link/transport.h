@@ -42,6 +42,10 @@ class Transport {
   /// @return true if the whole frame was handed to the kernel
   bool write(const std::uint8_t* bytes, std::size_t size, double now);
   void close();
+  /// Sends what is left of a frame that the line took in part, if it takes more now.
+  void finish() {
+    if (connected_) sendRest();
+  }
   /// Throws away what the line has not taken yet; a socket is closed for that. A frame cut by it is filled up.
   void discard();
   /// Number of times that a connection came about.

@@ -35,7 +35,7 @@ using namespace snapwing;
 volatile sig_atomic_t stop_signal = 0;
 constexpr std::int64_t LOG_LIMIT = 1000000;       ///< [bytes] then the log's file becomes FILE.1
 constexpr int GUARDIAN_ABOVE = 5;                 ///< priority of the guardian above the loop's
-constexpr rlim_t MEMORY_ROOM = rlim_t{64} << 20;  ///< [bytes] that the running bridge may grow by
+constexpr rlim_t MEMORY_ROOM = rlim_t{16} << 20;  ///< [bytes] that the running bridge may grow by
 
 constexpr double CHECK_PATIENCE = 5.0;  ///< [s]
 
@@ -161,13 +161,14 @@ void run(link::BridgeLoop& loop, Surroundings& around) {
   while (true) {
     const link::ClockReading clocks = link::readClocks();
     const double now = clocks.monotonic;
-    if (const double jump = around.clocks.look(clocks); jump > 0) loop.core().onClockJump(jump);
+    const double jump = around.clocks.look(clocks);
+    if (jump > 0) loop.core().onClockJump(jump);
     if (stop_signal != 0 && around.shutdown_since < 0) {
       around.shutdown_since = now;
       around.before_shutdown = loop.core().status().frames_sent;
       loop.core().requestShutdown(now);
     }
-    if (now >= loop.nextFrameTime(now)) {
+    if (jump > 0 || now >= loop.nextFrameTime(now)) {  // what `now` says may not be waited for after a jump
       loop.frame(now);
       afterFrame(loop, around, now);
       if (loop.core().shutdownDone(now)) return;

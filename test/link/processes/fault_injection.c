@@ -87,16 +87,18 @@ ssize_t recvfrom(int socket, void* bytes, size_t size, int flags, struct sockadd
 
 ssize_t recv(int socket, void* bytes, size_t size, int flags) { return recvfrom(socket, bytes, size, flags, NULL, NULL); }
 
-/* STILL_CLOCK: the monotonic clock stands still from the moment of the order while the others go on. SUSPENDED: it has lost
-   `argument` ms against the others, as after a suspend. */
+/* STILL_CLOCK: the monotonic clock stands still from the moment of the order while the others go on. SUSPENDED: boot time and wall clock
+   have gone on for `argument` ms, and the monotonic clock has not. */
 int clock_gettime(clockid_t clock, struct timespec* out) {
   const int result = (int)syscall(SYS_clock_gettime, clock, out);
   if (result != 0 || order == NULL || order->fault < 40 || getpid() != owner) return result;
   const int64_t fault = order->fault;
   if (order->moment == 0) order->moment = real_microseconds(CLOCK_MONOTONIC);
-  if (clock != (fault == WALL_SET ? CLOCK_REALTIME : CLOCK_MONOTONIC)) return result;
+  const int mine = fault == STILL_CLOCK ? clock == CLOCK_MONOTONIC
+                                        : clock == CLOCK_REALTIME || (fault == SUSPENDED && clock == CLOCK_BOOTTIME);
+  if (!mine) return result;
   int64_t shown = order->moment;
-  if (fault != STILL_CLOCK) shown = real_microseconds(clock) - 1000 * order->argument;
+  if (fault != STILL_CLOCK) shown = real_microseconds(clock) + 1000 * order->argument;
   out->tv_sec = shown / 1000000;
   out->tv_nsec = shown % 1000000 * 1000;
   return result;

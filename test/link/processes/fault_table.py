@@ -54,7 +54,7 @@ def run_batch(name, programs, helpers, seed, trials, with_ros):
             note(*fault.trial())
         except Exception as error:  # pylint: disable=broad-except
             void = isinstance(error, NotBegun)
-            note(error="" if void else f"{type(error).__name__}: {error}", seconds=0.0 if void else link_faults.NEVER, void=void)
+            note(error=f"{type(error).__name__}: {error}", seconds=0.0 if void else link_faults.NEVER, void=void)
             if fault is not None:
                 fault.close()
             fault = None

@@ -19,7 +19,7 @@ CONTROLLER = 0.45               # s, where nobody on this side is left, or the l
 
 class Fault:
     name = ""
-    promise = 0.04       # s to idle or off: from the harm if it breaks the pulse off, else from the pulse's own end
+    promise = 0.06       # s to idle or off: from the harm if it breaks the pulse off, else from the pulse's own end
     typical = None       # s, promised for the median; None: as the promise
     guard = ""           # who notices
     breaks = True
@@ -145,7 +145,7 @@ class Aborted(Fault):
 
 class DeadmanReleased(Fault):
     name = "deadman released"
-    promise = 0.06
+    promise = 0.08
     guard = "bridge: next frame after the heartbeat"
 
     def harm(self):
@@ -352,7 +352,7 @@ class SerialNoisy(OnSerial, Lasting):
 class ShortWrites(Lasting):
     name = "every third frame written only in part"
     guard = "bridge: the rest goes first"
-    promise = 0.06  # the safe frame itself may be one of them
+    promise = 0.08  # the safe frame itself may be one of them
 
     def bench_options(self):
         return {"line": "pty", "bridge_prefix": ["env", preload("short_writes")]}

@@ -149,8 +149,8 @@ class ClockStill(Injected):
 
 
 class Suspended(Injected):
-    name = "suspended for 0.1 to 3 s: monotonic clock lost that time"
-    promise = 0.04
+    name = "suspended for 0.1 to 3 s: boot time and wall clock went on, the monotonic clock did not"
+    promise = 0.06
     typical = None
     guard = "bridge: clocks disagree"
     fault = 41
@@ -166,7 +166,7 @@ class WallClockSet(Suspended):
 
 class GuardianKilled(Fault):
     name = "guardian: kill -9"
-    promise = 0.06
+    promise = 0.08
     guard = "bridge: refuses to pulse without it"
     signal = signal.SIGKILL
 
