@@ -213,12 +213,16 @@ class Bench:
         else:
             listen += ["--listen", f"127.0.0.1:{self.controller_port}"]
             self.line = f"tcp:127.0.0.1:{self.controller_port}"
-        if ":" not in line:
-            self.start_controller(listen)
-        if through is not None:
-            self.line = through(self)
-        self.bridge = self.start_bridge()
-        self.console = self.start_console()
+        try:
+            if ":" not in line:
+                self.start_controller(listen)
+            if through is not None:
+                self.line = through(self)
+            self.bridge = self.start_bridge()
+            self.console = self.start_console()
+        except BaseException:
+            self.__exit__()
+            raise
 
     def start_controller(self, arguments):
         self.controller = self.start("standin_flight_controller", arguments)

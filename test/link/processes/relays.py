@@ -84,7 +84,7 @@ class SerialRelay:
         self.path = os.path.join(folder, "cable")
         script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "serial_cable.py")
         self.process = Process(["/usr/bin/python3", "-u", script, standin_link, self.path, *(["keeps"] if keeps else [])])
-        wait_for(lambda: os.path.exists(self.path), 10, "cable is there")
+        wait_for(lambda: os.path.exists(self.path), 60, "cable is there")
 
     def order(self, words):
         """@return the moment [s] at which it was done"""
