@@ -191,7 +191,7 @@ class Scenario:
         if truth is None or self.listener.age("truth") > 0.5:
             return ""
         off = max(truth.motor_outputs or [0.0]) == 0.0
-        return "; the flight controller's failsafe turned the motors off" if off else "; the motors are still turning"
+        return "; the motors are off" if off else "; the motors are still turning"
 
     def kill_bridge(self, duration):
         """Ends the radio bridge without warning in the middle of the next pulse."""

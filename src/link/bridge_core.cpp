@@ -8,7 +8,10 @@
 namespace snapwing::link {
 namespace {
 
-constexpr double MIN_GAP = 0.007;     ///< [s] between two frames; SBUS receivers know no faster stream
+constexpr double MIN_GAP = 0.007;  ///< [s] between two frames; SBUS receivers know no faster stream
+/// [s] before a pulse's end in which no other frame of it leaves: the controller serves a command in 10.4 ms, and the
+/// last frame must not wait behind another.
+constexpr double QUIET_END = 0.0115;
 constexpr double TIME_SLACK = 1e-6;   ///< [s] rounding of the timer
 constexpr double BLIND_ARMING = 0.2;  ///< [s] after which a controller that cannot be read counts as armed
 
@@ -140,6 +143,10 @@ Refusal BridgeCore::onAbort(const Abort& abort, double now) {
 Refusal BridgeCore::onHeartbeat(const Heartbeat& heartbeat, double now) {
   std::int64_t detail = 0;
   const Refusal refusal = checkStamp(heartbeat.stamp, Kind::HEARTBEAT, now, detail);
+  if (refusal == Refusal::STALE && heartbeat.stamp.sender_id == operator_id_) {
+    late_heartbeat_ = now;
+    late_by_ = detail;
+  }
   if (refusal != Refusal::NONE) return refuse(refusal, detail);
   Sender& sender = *findSender(heartbeat.stamp.sender_id, now);
   if (!heartbeat.arm_switch) sender.switch_off_seen = true;
@@ -158,7 +165,7 @@ Refusal BridgeCore::onHeartbeat(const Heartbeat& heartbeat, double now) {
   sender.wished = wish;
   if (active() && sender.id == operator_id_) {
     last_heartbeat_ = std::max(last_heartbeat_, sentTime(heartbeat.stamp, now));
-    if (!wish) disarm();
+    if (!wish) disarm(heartbeat.arm_switch ? Disarming::DEADMAN_RELEASED : Disarming::SWITCH_OFF);
     return Refusal::NONE;
   }
   return begins ? wishToArm(heartbeat, sender, now) : Refusal::NONE;
@@ -186,6 +193,7 @@ Refusal BridgeCore::checkArming(const Sender& sender, double now, std::int64_t& 
   if (status_.state == BridgeState::FAULT) return Refusal::LATCHED_FAULT;
   detail = 0;
   if (!sender.switch_off_seen) return Refusal::SWITCH_NOT_CYCLED;
+  if (!guarded_) return Refusal::NO_GUARDIAN;
   if (!controller.connected || now - last_written_ > settings_.line_timeout) return Refusal::NOT_CONNECTED;
   detail = controller.failed_check;
   if (!controller.known) return Refusal::CONTROLLER_UNKNOWN;
@@ -207,6 +215,7 @@ Refusal BridgeCore::resetFault(Sender& sender, double now) {
   const bool fresh = now - controller.status_time <= settings_.telemetry_timeout;
   const bool out_of_reach = settings_.pilot_override && fresh && !controller.override_active;
   if (controller.readback && controller.armed && !out_of_reach) return Refusal::RESET_WHILE_ARMED;
+  if (status_.fault == Fault::GUARDIAN_LOST && !guarded_) return Refusal::NO_GUARDIAN;
   status_.state = BridgeState::IDLE;
   status_.fault = Fault::NONE;
   status_.fault_detail = 0;
@@ -215,7 +224,12 @@ Refusal BridgeCore::resetFault(Sender& sender, double now) {
   return Refusal::NONE;
 }
 
-void BridgeCore::disarm() {
+void BridgeCore::onClockJump(double jump) {
+  if (active()) latch(Fault::CLOCKS_DISAGREE, micros(jump));
+}
+
+void BridgeCore::disarm(Disarming why) {
+  status_.last_disarming = why;
   urgent_ = true;
   status_.state = BridgeState::IDLE;
   pulse_end_ = std::min(pulse_end_, status_.frame_time);
@@ -276,7 +290,11 @@ void BridgeCore::notePeriod(double now) {
 
 void BridgeCore::watch(double now) {
   const double silence = now - last_heartbeat_;
-  if (silence > settings_.heartbeat_timeout) return latch(Fault::HEARTBEAT_LOST, micros(silence));
+  if (silence > settings_.heartbeat_timeout) {
+    const bool late = now - late_heartbeat_ < settings_.heartbeat_timeout;
+    return late ? latch(Fault::OPERATOR_LATE, late_by_) : latch(Fault::HEARTBEAT_LOST, micros(silence));
+  }
+  if (!guarded_) return latch(Fault::GUARDIAN_LOST, 0);
   if (!status_.controller.connected || now - last_written_ > settings_.line_timeout) {
     return latch(Fault::LINE_LOST, 0);
   }
@@ -287,6 +305,9 @@ void BridgeCore::watchController(double now) {
   const ControllerState& controller = status_.controller;
   if (controller.failsafe) return latch(Fault::CONTROLLER_FAILSAFE, controller.arming_flags);
   const double age = now - controller.status_time;
+  if (controller.status_time > armed_since_ && (controller.arming_flags & RXLOSS_FLAG) != 0) {
+    return latch(Fault::CONTROLLER_RXLOSS, controller.arming_flags);
+  }
   if (age > settings_.telemetry_timeout) return latch(Fault::TELEMETRY_LOST, micros(age));
   if (settings_.pilot_override && !controller.override_active) return latch(Fault::PILOT_TOOK_OVER, 0);
   if (controller.status_time > armed_since_) {
@@ -308,18 +329,30 @@ void BridgeCore::watchController(double now) {
 
 void BridgeCore::advancePulse(double now) {
   if (status_.state == BridgeState::PULSE && now >= pulse_end_ - TIME_SLACK) status_.state = BridgeState::ARMED;
-  if (!has_pending_) return;
-  has_pending_ = false;
-  const double age = now - pending_.stamp.time;
-  if (age > std::min(settings_.max_age, pending_.stamp.expiry)) {
-    refuse(Refusal::STALE, micros(age));
-    return;
+  if (has_pending_) {
+    has_pending_ = false;
+    status_.state = BridgeState::PULSE;
+    pulse_begun_ = false;
+    latest_start_ = pending_.stamp.time + std::min(settings_.max_age, pending_.stamp.expiry);
+    pulse_end_ = latest_start_ + pending_.duration;
   }
-  status_.state = BridgeState::PULSE;
+  if (status_.state != BridgeState::PULSE || pulse_begun_) return;
   pulse_start_ = now;
-  pulse_end_ = now + pending_.duration;
-  noteLatency(now - sentTime(pending_.stamp, now));
+  if (now <= latest_start_) return;
+  status_.state = BridgeState::ARMED;
+  pulse_end_ = now;
+  refuse(Refusal::STALE, micros(now - pending_.stamp.time));
 }
+
+void BridgeCore::beginPulse(double now) {
+  pulse_begun_ = true;
+  pulse_start_ = now;
+  pulse_end_ = std::min(now, latest_start_) + pending_.duration;
+  noteLatency(now - sentTime(pending_.stamp, now));
+  schedule(now);
+}
+
+bool BridgeCore::endsWithin(double seconds, double now) const { return inPulse() && pulse_end_ - now < seconds; }
 
 void BridgeCore::noteLatency(double age) {
   count(status_.latency_histogram, std::max(age, 0.0));
@@ -348,7 +381,8 @@ void BridgeCore::schedule(double now) {
   const double period = settings_.frame_period;
   double next = std::min(next_frame_, now) + period;  // a hurried frame starts the grid anew
   while (next < now + 0.5 * period) next += period;   // late: skip grid points, never send a burst
-  if (status_.state == BridgeState::PULSE && next > pulse_end_ - MIN_GAP) next = std::max(pulse_end_, now + MIN_GAP);
+  const double quiet = status_.controller.readback ? QUIET_END : MIN_GAP;
+  if (status_.state == BridgeState::PULSE && next > pulse_end_ - quiet) next = std::max(pulse_end_, now + MIN_GAP);
   next_frame_ = next;
   wanted_period_ = next - now;
 }
@@ -368,6 +402,12 @@ void BridgeCore::onSent(bool written, double now) {
     last_written_ = now;
   } else {
     ++status_.frames_dropped;
+  }
+  if (status_.state != BridgeState::PULSE || pulse_begun_) return;
+  if (written) {
+    beginPulse(now);
+  } else {
+    urgent_ = true;  // as soon as the line is free
   }
 }
 

@@ -1,5 +1,6 @@
 #include "snapwing/link/bridge_loop.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "snapwing/common/error.h"
@@ -14,7 +15,14 @@ constexpr double SILENCE_LIMIT = 0.2;  ///< [s] without any answer after which t
 /// that stands still must not be left with a store of thrust frames. The controller takes 10.4 ms for each, and 20 ms
 /// after a gap before thrust returns: one stale frame is followed by a safe one in time.
 constexpr int WINDOW = 2;
-constexpr int THRUST_WINDOW = 1;      ///< a frame with thrust leaves only when the one before it was answered
+constexpr int THRUST_WINDOW = 1;  ///< a frame with thrust leaves only when the one before it was answered
+/// In a pulse each further frame leaves right behind an answer, to a question asked this long after the last frame [s].
+/// A line that stands still swallows the question, and holds no thrust when it is freed. Question and frame take one
+/// turn of the controller each, and the next is sent when the last was answered: nothing can pile up there.
+constexpr double PROOF_AFTER = 0.015;
+constexpr double PROOF_PATIENCE = 0.015;  ///< [s] beyond the frame's time, then the loop goes on without a frame
+/// [s] before a pulse's end in which no question is asked: one turn of the controller.
+constexpr double QUIET_BEFORE_END = 0.0115;
 constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
 
 bool speaksMsp(Protocol protocol) { return protocol == Protocol::MSP1 || protocol == Protocol::MSP2; }
@@ -42,9 +50,9 @@ Protocol protocolFromName(const std::string& name) {
 }
 
 LineSettings lineSettings(Protocol protocol) {
-  if (protocol == Protocol::SBUS) return {100000, Parity::EVEN, 2};
-  if (protocol == Protocol::CRSF) return {420000, Parity::NONE, 1};
-  return {115200, Parity::NONE, 1};
+  if (protocol == Protocol::SBUS) return {100000, Parity::EVEN, 2, false};
+  if (protocol == Protocol::CRSF) return {420000, Parity::NONE, 1, true};
+  return {115200, Parity::NONE, 1, true};
 }
 
 BridgeLoop::BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool readback,
@@ -64,6 +72,11 @@ WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
 }
 
 WireFrame BridgeLoop::safeFrame(Protocol protocol) { return encodeFrame(protocol, safeChannels()); }
+
+void BridgeLoop::publishTo(GuardianRecord& record) {
+  record_ = &record;
+  transport_.publishOpenBytes(record.open_bytes);
+}
 
 void BridgeLoop::drainInbox(double now) {
   Inbound message;
@@ -90,7 +103,10 @@ void BridgeLoop::updateConnection(double now) {
 }
 
 bool BridgeLoop::windowOpen(double now) {
-  const int window = core_.status().commanded_throttle > 0.0 ? THRUST_WINDOW : WINDOW;
+  const bool thrust = core_.status().commanded_throttle > 0.0;
+  const bool proven = !readback_ || !core_.inPulse() || proof_ > last_frame_;
+  if (thrust && !(proven && transport_.empty())) return false;
+  const int window = thrust ? THRUST_WINDOW : WINDOW;
   if (!readback_ || watch_.unansweredFrames() < window) {
     window_closed_since_ = -1;
     return true;
@@ -104,13 +120,34 @@ bool BridgeLoop::windowOpen(double now) {
 }
 
 double BridgeLoop::nextFrameTime(double now) const {
-  const bool free = !readback_ || (watch_.unansweredFrames() == 0 && !watch_.asking(now));
+  if (readback_ && core_.inPulse() && !core_.urgent()) {
+    if (core_.endsWithin(QUIET_BEFORE_END, now)) return core_.pulseEnd();
+    if (proof_ > last_frame_) return core_.earliestFrameTime();
+    return std::min(core_.nextFrameTime() + PROOF_PATIENCE, core_.pulseEnd());
+  }
+  // A low frame waits for nothing: behind a question it is served as soon as after the question's answer.
+  const BridgeState state = core_.status().state;
+  const bool low = state == BridgeState::IDLE || state == BridgeState::FAULT;
+  const bool free = !readback_ || low || (watch_.unansweredFrames() == 0 && !watch_.asking(now));
   return core_.urgent() && free ? core_.earliestFrameTime() : core_.nextFrameTime();
+}
+
+bool BridgeLoop::proofDue(double now) const {
+  return readback_ && core_.inPulse() && proof_ <= last_frame_ && !proof_asked_ && watch_.unansweredFrames() == 0 &&
+         !watch_.asking(now) && !core_.endsWithin(QUIET_BEFORE_END, now);
+}
+
+double BridgeLoop::nextWakeTime(double now) const {
+  const double next = nextFrameTime(now);
+  return proofDue(now) ? std::min(next, std::max(last_frame_ + PROOF_AFTER, now)) : next;
 }
 
 void BridgeLoop::takeIn(double now) {
   drainInbox(now);
   receive(now);
+  if (!proofDue(now) || now < last_frame_ + PROOF_AFTER) return;
+  ask(now, true);
+  proof_asked_ = true;
 }
 
 void BridgeLoop::frame(double now) {
@@ -118,29 +155,44 @@ void BridgeLoop::frame(double now) {
   updateConnection(now);
   drainInbox(now);
   const Channels& channels = core_.tick(now);
+  const BridgeState state = core_.status().state;
+  const bool active = state == BridgeState::ARMED || state == BridgeState::PULSE;
+  if (active) record_->active = true;
   const WireFrame wire = encodeFrame(protocol_, channels);
   const bool written = transport_.connected() && windowOpen(now) && transport_.write(wire.bytes.data(), wire.size, now);
   core_.onSent(written, now);
-  if (written) watch_.noteFrame();
+  if (written) {
+    watch_.noteFrame();
+    last_frame_ = now;
+    proof_asked_ = false;
+  }
+  if (written && !active) record_->active = false;
+  record_->beat.fetch_add(1);
   outbox_.push({core_.status(), watch_.telemetry()});
 }
 
 /// One question with every other frame, once the frame has been answered.
-void BridgeLoop::ask(double now) {
+void BridgeLoop::ask(double now, bool always) {
   MspPacket question;
-  if (!readback_ || !watch_.nextRequest(now, question)) return;
+  if (!readback_ || !watch_.nextRequest(now, question, always)) return;
   std::array<std::uint8_t, 16> bytes;
   const std::size_t size = encodeMsp(question, bytes.data(), bytes.size());
   transport_.write(bytes.data(), size, now);
 }
 
 void BridgeLoop::receive(double now) {
+  transport_.finish();
   std::array<std::uint8_t, 512> bytes;
   while (const std::size_t got = transport_.read(bytes.data(), bytes.size())) {
     for (std::size_t i = 0; i < got; ++i) {
       if (!parser_.push(bytes[i])) continue;
       watch_.onPacket(parser_.packet(), now);
-      if (parser_.packet().id == MSP_SET_RAW_RC && !core_.urgent()) ask(now);
+      const bool frame = parser_.packet().id == MSP_SET_RAW_RC;
+      if (frame && !core_.urgent() && core_.status().state != BridgeState::PULSE) ask(now);
+      if (!frame && proof_asked_) {
+        proof_ = now;
+        proof_asked_ = false;
+      }
     }
     if (got < bytes.size()) break;
   }

@@ -80,6 +80,14 @@ std::string describe(Fault fault, std::int64_t detail) {
       return "motors at " + std::to_string(detail) + " us while throttle low is sent";
     case Fault::PILOT_TOOK_OVER:
       return "the pilot let go of the override switch";
+    case Fault::OPERATOR_LATE:
+      return "operator is late: its heartbeats arrive " + milliseconds(detail) + " old";
+    case Fault::GUARDIAN_LOST:
+      return "the guardian process is gone: restart radio_bridge";
+    case Fault::CLOCKS_DISAGREE:
+      return "clocks jumped by " + milliseconds(detail) + " (suspended, paused, or the time was set)";
+    case Fault::CONTROLLER_RXLOSS:
+      return "flight controller missed frames (flags: " + flags + ")";
   }
   return "fault " + std::to_string(static_cast<int>(fault));
 }
@@ -128,6 +136,8 @@ std::string describe(Refusal refusal, std::int64_t detail) {
       return "command answers status " + std::to_string(detail) + ", which this bridge has not sent";
     case Refusal::RESET_WHILE_ARMED:
       return "no reset while the flight controller is armed (with override: let go of the override switch first)";
+    case Refusal::NO_GUARDIAN:
+      return "the guardian process is gone or does not hold the line yet";
   }
   return "refusal " + std::to_string(static_cast<int>(refusal));
 }
@@ -151,6 +161,17 @@ std::string scaleMismatch(const common::ThrottleScale& bridge, const common::Thr
 void BridgeSettings::useScale(const common::ThrottleScale& scale) {
   throttle = scale;
   motor_idle_limit = static_cast<int>(std::lround(scale.motor_idle)) + IDLE_MARGIN;
+}
+
+const char* describe(Disarming disarming) {
+  switch (disarming) {
+    case Disarming::SWITCH_OFF:
+      return "arm switch off";
+    case Disarming::DEADMAN_RELEASED:
+      return "deadman released";
+    default:
+      return "";
+  }
 }
 
 void BridgeSettings::validate() const {

@@ -5,10 +5,27 @@
 
 namespace snapwing::link {
 
-double monotonicSeconds() {
+namespace {
+
+double seconds(clockid_t clock) {
   timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+double monotonicSeconds() { return seconds(CLOCK_MONOTONIC); }
+
+ClockReading readClocks() {
+  ClockReading reading;
+  // Taken off the processor between two of them, the clocks would seem to differ: then once more.
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    reading = {seconds(CLOCK_MONOTONIC), seconds(CLOCK_BOOTTIME), seconds(CLOCK_REALTIME)};
+    if (seconds(CLOCK_BOOTTIME) - reading.boottime < 0.001 && seconds(CLOCK_MONOTONIC) - reading.monotonic < 0.001)
+      break;
+  }
+  return reading;
 }
 
 std::int64_t wallMicroseconds() {

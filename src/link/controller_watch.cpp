@@ -36,8 +36,8 @@ void ControllerWatch::disconnected() {
 
 bool ControllerWatch::asking(double now) const { return asked_ != 0 && now - asked_time_ < ANSWER_TIMEOUT; }
 
-bool ControllerWatch::nextRequest(double now, MspPacket& out) {
-  if (!state_.connected || frame_++ % 2 != 0) return false;
+bool ControllerWatch::nextRequest(double now, MspPacket& out, bool always) {
+  if (!state_.connected || (frame_++ % 2 != 0 && !always)) return false;
   if (asking(now)) return false;
   std::uint16_t id = 0;
   for (std::size_t i = 0; i < QUESTIONS.size() && id == 0; ++i) {

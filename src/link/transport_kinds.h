@@ -9,7 +9,7 @@ namespace snapwing::link {
 
 class TcpTransport : public Transport {
  public:
-  TcpTransport(const std::string& host, const std::string& port);
+  TcpTransport(const std::string& host, const std::string& port, const LineSettings& settings);
   ~TcpTransport() override { close(); }
   void maintain(double now) override;
 
@@ -18,10 +18,12 @@ class TcpTransport : public Transport {
   /// Bytes sent but not acknowledged count too: a network that returns would deliver them late. The far end may take 40
   /// ms to acknowledge, so five frames are let through.
   int backlogLimit() const override { return 160; }
+  int emptyLimit() const override { return backlogLimit(); }
   bool flush() override { return false; }
   void finishConnecting();
   sockaddr_storage address_{};  ///< looked up once: a name service may block
   socklen_t address_size_ = 0;
+  bool padding_;
 };
 
 class SerialTransport : public Transport {
@@ -39,7 +41,7 @@ class SerialTransport : public Transport {
 
 class PtyTransport : public Transport {
  public:
-  explicit PtyTransport(const std::string& link);
+  PtyTransport(const std::string& link, const LineSettings& settings);
   ~PtyTransport() override;
   void maintain(double now) override;
 

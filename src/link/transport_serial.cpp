@@ -39,14 +39,15 @@ void SerialTransport::maintain(double now) {
   if (connected_ || now < next_attempt_) return;
   next_attempt_ = now + 0.25;
   descriptor_ = ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor_ < 0) return;
+  if (descriptor_ < 0) return failed(errno);
   if (!configureSerial(descriptor_, settings_)) {
+    failed(errno);
     close();
     return;
   }
   ioctl(descriptor_, TIOCEXCL);
   ioctl(descriptor_, TCFLSH, TCIOFLUSH);
-  opened();
+  opened(settings_.padding);
 }
 
 int SerialTransport::backlog() const {
@@ -70,7 +71,7 @@ int openPseudoTerminal(std::string& slave) {
   return master;
 }
 
-PtyTransport::PtyTransport(const std::string& link) : link_(link) {
+PtyTransport::PtyTransport(const std::string& link, const LineSettings& settings) : link_(link) {
   std::string slave;
   descriptor_ = openPseudoTerminal(slave);
   // The far end stays open here too, so that a peer that comes and goes does not look like a broken line.
@@ -79,7 +80,7 @@ PtyTransport::PtyTransport(const std::string& link) : link_(link) {
   if (slave_descriptor_ < 0 || ::symlink(slave.c_str(), link.c_str()) != 0) {
     throw common::FileError(link, std::string("cannot link pseudo-terminal: ") + std::strerror(errno));
   }
-  opened();
+  opened(settings.padding);
 }
 
 PtyTransport::~PtyTransport() {

@@ -14,7 +14,7 @@ void PipeTransport::maintain(double now) {
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) != 0) return;
   descriptor_ = ends[0];
   far_ = ends[1];
-  opened();
+  opened(true);
 }
 
 long PipeTransport::send(const std::uint8_t* bytes, std::size_t size) {

@@ -9,8 +9,8 @@
 ///   ARMED  | switch off or deadman released                    | IDLE  |
 ///   PULSE  | own deadline                                      | ARMED | throttle of the pulse, AUX1 high
 ///   PULSE  | switch off or deadman released                    | IDLE  |
-///   ARMED, PULSE | abort, heartbeat lost, line lost, telemetry lost, failsafe, disarmed by itself,
-///          | motors disagree, own loop stalled, shutdown       | FAULT |
+///   ARMED, PULSE | abort, heartbeat lost or late, line lost, telemetry lost, failsafe, frames missed, disarmed
+///          | by itself, motors disagree, own loop stalled, clocks jumped, guardian lost, shutdown | FAULT |
 ///   FAULT  | reset with arm switch off, controller disarmed    | IDLE  | throttle low, AUX1 low
 ///
 /// An abort or a shutdown latches FAULT from every state. With pilot_override AUX1 stays low in every state, ARMED
@@ -20,6 +20,9 @@
 ///
 /// A command names the newest status that its sender had heard. Its age runs from the moment at which that status left,
 /// by this bridge's clock; a status that was not sent, or not at that time, is a refusal.
+///
+/// A pulse's time runs from its first frame that the line took, so that waiting for the line does not shorten it. That
+/// frame must leave before the command is too old, which bounds the end: stamp + min(max_age, expiry) + duration.
 
 #include <array>
 
@@ -39,6 +42,10 @@ class BridgeCore {
   Refusal onHeartbeat(const Heartbeat& heartbeat, double now);
   Refusal onAbort(const Abort& abort, double now);
   void onController(const ControllerState& controller) { status_.controller = controller; }
+  /// A guardian is alive and holds the line; without one nothing is armed. True until said otherwise.
+  void onGuardian(bool guards) { guarded_ = guards; }
+  /// The clocks of this computer moved against each other by so much [s]. Ends what is armed.
+  void onClockJump(double jump);
 
   /// When tick() is due next: the frame grid, brought forward to a pulse's deadline so that a pulse has its exact
   /// length.
@@ -47,6 +54,11 @@ class BridgeCore {
   /// free. The grid starts anew from it.
   bool urgent() const { return urgent_; }
   double earliestFrameTime() const;
+  /// A pulse's last frame is due within so many seconds: nothing may go out now that the controller would serve first.
+  bool endsWithin(double seconds, double now) const;
+  /// A frame of a pulse was written, and the pulse is in force.
+  bool inPulse() const { return status_.state == BridgeState::PULSE && pulse_begun_; }
+  double pulseEnd() const { return pulse_end_; }  ///< [s] while inPulse()
   /// Advances the state machine and gives the channels to send now. Call at nextFrameTime(), or earlier if urgent().
   const Channels& tick(double now);
   /// The line took the frame of the last tick, or did not.
@@ -84,13 +96,14 @@ class BridgeCore {
   Refusal resetFault(Sender& sender, double now);
   Refusal refuse(Refusal refusal, std::int64_t detail);
   void latch(Fault fault, std::int64_t detail);
-  void disarm();
+  void disarm(Disarming why);
   void watch(double now);
   void watchController(double now);
   void advancePulse(double now);
   void composeChannels(double now);
   void notePeriod(double now);
   void noteLatency(double age);
+  void beginPulse(double now);
   void schedule(double now);
   bool active() const { return status_.state == BridgeState::ARMED || status_.state == BridgeState::PULSE; }
 
@@ -114,6 +127,11 @@ class BridgeCore {
   bool has_pending_ = false;
   PulseCommand pending_;
   double pulse_start_ = 0, pulse_end_ = 0;
+  bool pulse_begun_ = false;      ///< a frame of it was written
+  double latest_start_ = 0;       ///< [s] after which its command is too old
+  double late_heartbeat_ = -1e9;  ///< [s] when one of the operator's came too old
+  std::int64_t late_by_ = 0;      ///< [us] its age
+  bool guarded_ = true;
   double low_since_ = 0;  ///< throttle low sent since
   bool urgent_ = false;
   double shutdown_since_ = -1;

@@ -9,6 +9,7 @@
 
 #include "snapwing/link/bridge_core.h"
 #include "snapwing/link/controller_watch.h"
+#include "snapwing/link/guardian.h"
 #include "snapwing/link/spsc_ring.h"
 #include "snapwing/link/transport.h"
 
@@ -50,16 +51,20 @@ class BridgeLoop {
   Outbox& outbox() { return outbox_; }
   BridgeCore& core() { return core_; }
   const ControllerWatch& watch() const { return watch_; }
+  /// What the guardian looks at goes there, from the next frame on; it must outlive the loop.
+  void publishTo(GuardianRecord& record);
 
   /// When the next frame is due: the core's grid, or earlier when a message has changed what must be sent and nothing
   /// is on its way that the controller would have to serve first.
   double nextFrameTime(double now) const;
+  /// When takeIn() or frame() has something to do by itself.
+  double nextWakeTime(double now) const;
   /// One frame: call when now >= nextFrameTime(now).
   void frame(double now);
   /// Takes messages and what the line has brought, without sending a frame.
   void takeIn(double now);
 
-  /// Throttle low, AUX1 low, ready to send: for the handler of a crash.
+  /// Throttle low, AUX1 low, ready to send: for the guardian.
   static WireFrame safeFrame(Protocol protocol);
 
  private:
@@ -68,7 +73,8 @@ class BridgeLoop {
   void receive(double now);
   void updateConnection(double now);
   bool windowOpen(double now);
-  void ask(double now);
+  void ask(double now, bool always = false);
+  bool proofDue(double now) const;
 
   Protocol protocol_;
   bool readback_;
@@ -78,8 +84,13 @@ class BridgeLoop {
   MspParser parser_;
   Inbox inbox_;
   Outbox outbox_;
+  GuardianRecord own_record_;
+  GuardianRecord* record_ = &own_record_;
   int seen_connections_ = 0;
   double window_closed_since_ = -1;
+  double last_frame_ = -1e9;  ///< [s] written
+  bool proof_asked_ = false;
+  double proof_ = -1e9;  ///< [s] when a question asked since the last frame was answered
 };
 
 }  // namespace snapwing::link

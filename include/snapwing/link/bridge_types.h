@@ -61,6 +61,10 @@ enum class Fault : std::int32_t {
   SHUTDOWN = 9,               ///< the bridge is about to end
   MOTORS_DISAGREE = 10,       ///< motors above idle while throttle low is sent; detail: [us] largest output
   PILOT_TOOK_OVER = 11,       ///< the pilot let go of the override switch
+  OPERATOR_LATE = 12,         ///< heartbeats come, but too old; detail: [us] age of the last one
+  GUARDIAN_LOST = 13,         ///< the process that would end a pulse in the bridge's place is gone
+  CLOCKS_DISAGREE = 14,       ///< a clock jumped or stood still while armed (suspended, paused); detail: [us]
+  CONTROLLER_RXLOSS = 15,     ///< the controller misses frames while armed; detail: arming-disable flags
 };
 
 /// Why a message had no effect.
@@ -86,6 +90,7 @@ enum class Refusal : std::int32_t {
   PILOT_NOT_READY = 18,    ///< override: the pilot has not armed or does not hold the override switch
   UNKNOWN_STATUS = 19,     ///< names a status that this bridge has not sent; detail: its number
   RESET_WHILE_ARMED = 20,  ///< the controller is armed; with override: and the pilot still holds the switch
+  NO_GUARDIAN = 30,        ///< the guardian is gone or does not hold this line yet
 };
 /// Plain sentences for logs and messages, e.g. "command is 130 ms old, limit 100 ms".
 std::string describe(Fault fault, std::int64_t detail);
@@ -94,6 +99,13 @@ std::string describe(Refusal refusal, std::int64_t detail);
 std::string scaleMismatch(const common::ThrottleScale& bridge, const common::ThrottleScale& vehicle);
 /// "RXLOSS BOOTGRACE" from a mask of Betaflight 4.5's arming-disable bits.
 std::string describeArmingFlags(std::uint32_t flags);
+
+/// Why ARMED or PULSE became IDLE without a fault.
+enum class Disarming : std::uint8_t { NONE = 0, SWITCH_OFF = 1, DEADMAN_RELEASED = 2 };
+const char* describe(Disarming disarming);
+
+/// Bit of the arming-disable flags that says: no good frames. The same in all releases that are accepted.
+constexpr std::uint32_t RXLOSS_FLAG = 1U << 2;
 
 /// What the flight controller said, as far as the bridge's logic needs it.
 struct ControllerState {
@@ -165,6 +177,7 @@ struct BridgeStatus {
   common::ThrottleScale throttle;  ///< by which commands reach the wire
   bool realtime = false;           ///< the loop has real-time priority
   bool memory_locked = false;
+  Disarming last_disarming = Disarming::NONE;
   ControllerState controller;
   double telemetry_age = -1;  ///< [s]; negative = never
 };

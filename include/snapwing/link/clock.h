@@ -1,5 +1,5 @@
 #pragma once
-/// The machine's monotonic clock: stepping the wall clock does not touch it.
+/// The computer's clocks. The bridge's own time is monotonic: stepping the wall clock does not touch it.
 
 #include <cstdint>
 
@@ -11,5 +11,13 @@ double monotonicSeconds();
 std::int64_t wallMicroseconds();
 /// Random number from the system, never 0.
 std::int64_t randomId();
+
+/// All clocks at one moment [s].
+struct ClockReading {
+  double monotonic = 0;
+  double boottime = 0;  ///< goes on while the computer is suspended
+  double wall = 0;
+};
+ClockReading readClocks();
 
 }  // namespace snapwing::link

@@ -33,7 +33,8 @@ class ControllerWatch {
 
   /// What to ask now. Call once for each answered frame; every other time there is a question.
   /// @return false if nothing is to be asked now
-  bool nextRequest(double now, MspPacket& out);
+  /// @param always  not only every other time
+  bool nextRequest(double now, MspPacket& out, bool always = false);
   void onPacket(const MspPacket& packet, double now);
 
   const ControllerState& state() const { return state_; }

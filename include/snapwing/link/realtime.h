@@ -12,4 +12,8 @@ bool takeRealtimePriority(int priority);
 /// operator.
 constexpr int OPERATOR_PRIORITY = 30;
 
+/// The name under which ps and pkill see this process; call once, early. Child processes take names of their own.
+void keepArguments(int argc, char** argv);
+void nameProcess(const char* name);
+
 }  // namespace snapwing::link

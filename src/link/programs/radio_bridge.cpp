@@ -11,7 +11,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -22,7 +21,10 @@
 #include "snapwing/link/bridge_lcm.h"
 #include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/clock.h"
+#include "snapwing/link/clock_watch.h"
 #include "snapwing/link/controller_check.h"
+#include "snapwing/link/guardian_process.h"
+#include "snapwing/link/link_log.h"
 #include "snapwing/link/realtime.h"
 #include "snapwing/link/transport.h"
 
@@ -31,8 +33,9 @@ namespace {
 using namespace snapwing;
 
 volatile sig_atomic_t stop_signal = 0;
-std::atomic<int> crash_descriptor{-1};
-link::WireFrame crash_frame;
+constexpr std::int64_t LOG_LIMIT = 1000000;       ///< [bytes] then the log's file becomes FILE.1
+constexpr int GUARDIAN_ABOVE = 5;                 ///< priority of the guardian above the loop's
+constexpr rlim_t MEMORY_ROOM = rlim_t{16} << 20;  ///< [bytes] that the running bridge may grow by
 
 constexpr double CHECK_PATIENCE = 5.0;  ///< [s]
 
@@ -40,7 +43,7 @@ struct Options {
   std::string fc = "tcp:127.0.0.1:5761";
   std::string lcm_url = link::DEFAULT_LCM_URL;
   std::string protocol = "msp2";
-  std::string key_file, create_key;
+  std::string key_file, create_key, log;
   std::string vehicle_id = link::DEFAULT_VEHICLE_ID;
   std::vector<std::string> allow;
   int realtime_priority = 50;
@@ -51,31 +54,13 @@ struct Options {
 
 void onStop(int number) { stop_signal = number; }
 
-/// The line still gets throttle low and AUX1 low for 0.2 s. Only what is safe in a signal handler.
-void sendLastFrames() {
-  for (int i = 0; i < 11; ++i) {
-    const int descriptor = crash_descriptor.load();
-    if (descriptor < 0 || write(descriptor, crash_frame.bytes.data(), crash_frame.size) < 0) break;
-    const timespec pause{0, 20000000};
-    nanosleep(&pause, nullptr);
-  }
-}
-
-void onCrash(int number) {
-  sendLastFrames();
-  signal(number, SIG_DFL);
-  raise(number);
-}
-
 void catchSignals() {
   struct sigaction action {};
   sigemptyset(&action.sa_mask);
   action.sa_handler = onStop;
   for (int number = 1; number <= SIGRTMAX; ++number) sigaction(number, &action, nullptr);  // KILL and STOP refuse
-  action.sa_handler = onCrash;
-  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP}) {
-    sigaction(number, &action, nullptr);
-  }
+  // A fault of the program ends it at once; the guardian sends the safe frames.
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP}) signal(number, SIG_DFL);
   for (const int number : {SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU}) signal(number, SIG_IGN);
   for (const int number : {SIGCHLD, SIGCONT, SIGURG, SIGWINCH}) signal(number, SIG_DFL);  // mean nothing
 }
@@ -91,6 +76,9 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--vehicle", o.vehicle_id, "id of the vehicle: goes into every message, others' are dropped")
       ->capture_default_str();
   app.add_option("--create-key", o.create_key, "draw a new key, write it to this file and end");
+  app.add_option("--log", o.log,
+                 "file for refusals, faults and pulses sent; at 1 MB it becomes FILE.1. All of it goes to standard "
+                 "error as well");
   app.add_option("--allow", o.allow,
                  "checks of the flight controller that need not pass: " + link::allowableChecks() +
                      "; no-readback: do not ask it at all (needed with sbus and crsf)");
@@ -143,19 +131,50 @@ class Waiter {
   int arrivals_, timer_;
 };
 
-void run(link::BridgeLoop& loop, link::BridgeLcm& lcm, link::Transport& transport) {
-  Waiter waiter(lcm.arrivals());
+/// What the loop needs besides itself.
+struct Surroundings {
+  link::BridgeLcm& lcm;
+  link::Transport& transport;
+  link::Guardian& guardian;
+  const link::LogWriter& log;
+  link::ClockWatch clocks;
+  link::EventWatch events;
+  std::int64_t before_shutdown = 0;  ///< frames
+  double shutdown_since = -1;
+};
+
+void afterFrame(link::BridgeLoop& loop, Surroundings& around, double now) {
+  const link::Transport& line = around.transport;
+  const int connection = line.connected() ? line.connections() : 0;
+  around.guardian.holdLine(line.connected() ? line.descriptor() : -1, connection);
+  loop.core().onGuardian(around.guardian.guards(connection));
+  around.events.look(loop.core().status(), {line.connected(), line.connections(), line.lastError()}, now, &around,
+                     [](void* owner, const link::LogEvent& e) {
+                       static_cast<Surroundings*>(owner)->log.note(e.kind, e.code, e.detail, e.value, e.seconds);
+                     });
+  around.lcm.notify();
+}
+
+/// @return when the bridge was asked to end and has sent its safe frames, or could not for as long
+void run(link::BridgeLoop& loop, Surroundings& around) {
+  Waiter waiter(around.lcm.arrivals());
   while (true) {
-    const double now = link::monotonicSeconds();
-    if (stop_signal != 0) loop.core().requestShutdown(now);
-    if (now >= loop.nextFrameTime(now)) {
+    const link::ClockReading clocks = link::readClocks();
+    const double now = clocks.monotonic;
+    const double jump = around.clocks.look(clocks);
+    if (jump > 0) loop.core().onClockJump(jump);
+    if (stop_signal != 0 && around.shutdown_since < 0) {
+      around.shutdown_since = now;
+      around.before_shutdown = loop.core().status().frames_sent;
+      loop.core().requestShutdown(now);
+    }
+    if (jump > 0 || now >= loop.nextFrameTime(now)) {  // what `now` says may not be waited for after a jump
       loop.frame(now);
-      crash_descriptor = transport.connected() ? transport.descriptor() : -1;
-      lcm.notify();
+      afterFrame(loop, around, now);
       if (loop.core().shutdownDone(now)) return;
     } else {
       loop.takeIn(now);
-      waiter.sleep(loop.nextFrameTime(now), transport.connected() ? transport.descriptor() : -1);
+      waiter.sleep(loop.nextWakeTime(now), around.transport.connected() ? around.transport.descriptor() : -1);
     }
   }
 }
@@ -166,6 +185,76 @@ int check(const Options& o, link::Protocol protocol, const std::set<std::string>
                                                          link::controllerRules(o.settings, allowed), CHECK_PATIENCE);
   std::printf("flight controller on %s:\n%s", o.fc.c_str(), report.text.c_str());
   return static_cast<int>(report.result);
+}
+
+/// Any end without safe frames is the guardian's business: no core file, no unwinding, nothing that takes time.
+void endFastWhenItCrashes() {
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_CORE, &none);
+  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
+}
+
+/// A leak then ends this process alone, and at once: a large one takes long to be torn down, and the machine would
+/// stand still first.
+void boundMemory() {
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  long pages[6] = {};
+  const bool known = file != nullptr && std::fscanf(file, "%ld %ld %ld %ld %ld %ld", &pages[0], &pages[1], &pages[2],
+                                                    &pages[3], &pages[4], &pages[5]) == 6;
+  if (file != nullptr) std::fclose(file);
+  if (!known) return;
+  const auto used = static_cast<rlim_t>(pages[5]) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlimit bound{used + MEMORY_ROOM, used + MEMORY_ROOM};
+  setrlimit(RLIMIT_DATA, &bound);
+}
+
+/// @return exit code
+int ended(link::BridgeLoop& loop, const Surroundings& around, const Options& o) {
+  const link::BridgeStatus& status = loop.core().status();
+  link::LogEvent event{0, link::LogKind::ENDED,
+                       0, status.frames_sent - around.before_shutdown,
+                       0, status.frame_time - around.shutdown_since};
+  around.log.note(event.kind, event.code, event.detail, event.value, event.seconds);
+  std::fprintf(stderr, "radio_bridge: %s\n", link::describe(event, o.fc).c_str());
+  return 0;
+}
+
+int fly(const Options& o, link::Protocol protocol, bool blind, const std::set<std::string>& allowed,
+        const link::Sealer& sealer) {
+  const std::unique_ptr<link::Transport> transport = link::makeTransport(o.fc, link::lineSettings(protocol));
+  o.settings.validate();
+  // Both processes before the first thread; a wrong setting has been told by now.
+  const link::LogWriter log(o.log, LOG_LIMIT, o.fc);
+  const int guardian_priority = o.realtime_priority > 0 ? o.realtime_priority + GUARDIAN_ABOVE : 0;
+  link::Guardian guardian(protocol, o.settings.frame_period, guardian_priority, log);
+  const std::int64_t session = link::randomId();
+  link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
+  loop.publishTo(guardian.record());
+  endFastWhenItCrashes();
+  prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);
+  // LCM's threads inherit a little less than the loop gets afterwards.
+  if (o.realtime_priority > 0 && !link::takeRealtimePriority(std::max(1, o.realtime_priority - 10)))
+    setpriority(PRIO_PROCESS, 0, -15);
+  link::BridgeLcm lcm(o.lcm_url, sealer, session, loop.inbox(), loop.outbox());
+  std::fprintf(stderr, "radio_bridge %s: vehicle %s, line %s, %s, %s, guardian %d\n", common::version().c_str(),
+               o.vehicle_id.c_str(), o.fc.c_str(), o.protocol.c_str(), o.lcm_url.c_str(), guardian.pid());
+  log.note(link::LogKind::STARTED);
+  const bool realtime = link::takeRealtimePriority(o.realtime_priority);
+  // After the threads are there: under a small limit it fails here, and not in the middle of the work.
+  const bool locked = o.realtime_priority > 0 && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  boundMemory();
+  loop.core().noteGrants(realtime, locked);
+  std::fprintf(stderr, "radio_bridge: real-time priority %s, memory %s\n", realtime ? "granted" : "not granted",
+               locked ? "locked" : "not locked");
+  Surroundings around{lcm, *transport, guardian, log, {}, {}};
+  try {
+    run(loop, around);
+  } catch (const std::exception& error) {  // the guardian goes on from here, and must not wait for threads to end
+    std::fprintf(stderr, "radio_bridge: %s\n", error.what());
+    _exit(2);
+  }
+  guardian.endInOrder();
+  return ended(loop, around, o);
 }
 
 int start(const Options& o) {
@@ -188,37 +277,14 @@ int start(const Options& o) {
   if (o.check) return check(o, protocol, allowed);
   const std::string key_file = o.key_file.empty() ? link::defaultKeyFile(o.vehicle_id) : o.key_file;
   const link::Sealer sealer(link::loadKeyFile(key_file), o.vehicle_id);
-  const std::unique_ptr<link::Transport> transport = link::makeTransport(o.fc, link::lineSettings(protocol));
-  const std::int64_t session = link::randomId();
-  crash_frame = link::BridgeLoop::safeFrame(protocol);
-  link::BridgeLoop loop(o.settings, protocol, !blind, allowed, *transport, session, link::monotonicSeconds());
-  prctl(PR_SET_TIMERSLACK, 1UL, 0, 0, 0);
-  // LCM's threads inherit a little less than the loop gets afterwards.
-  if (o.realtime_priority > 0 && !link::takeRealtimePriority(std::max(1, o.realtime_priority - 10)))
-    setpriority(PRIO_PROCESS, 0, -15);
-  link::BridgeLcm lcm(o.lcm_url, sealer, session, loop.inbox(), loop.outbox());
-  std::fprintf(stderr, "radio_bridge %s: vehicle %s, line %s, %s, %s\n", common::version().c_str(),
-               o.vehicle_id.c_str(), o.fc.c_str(), o.protocol.c_str(), o.lcm_url.c_str());
-  const bool realtime = link::takeRealtimePriority(o.realtime_priority);
-  // After the threads are there: under a small limit it fails here, and not in the middle of the work.
-  const bool locked = o.realtime_priority > 0 && mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
-  loop.core().noteGrants(realtime, locked);
-  std::fprintf(stderr, "radio_bridge: real-time priority %s, memory %s\n", realtime ? "granted" : "not granted",
-               locked ? "locked" : "not locked");
-  try {
-    run(loop, lcm, *transport);
-  } catch (...) {  // while the line is still open
-    sendLastFrames();
-    throw;
-  }
-  std::fprintf(stderr, "radio_bridge: ended, throttle low and AUX1 low were sent for %.2f s\n", o.settings.exit_time);
-  return 0;
+  return fly(o, protocol, blind, allowed, sealer);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   catchSignals();
+  link::keepArguments(argc, argv);
   CLI::App app{"Radio bridge: LCM pulse commands to remote-control frames, with its own watchdog"};
   Options options;
   addOptions(app, options);

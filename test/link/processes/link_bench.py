@@ -106,15 +106,17 @@ class Witness:
     its cores at times) show here, and no program could have done better during them."""
 
     def __enter__(self):
-        self.processes = [subprocess.Popen(["/usr/bin/python3", "-c", WITNESS, str(core)], stdout=subprocess.PIPE, text=True)
-                          for core in os.sched_getaffinity(0)]
+        self.stalls = []  # (begin, end), grows while it runs
+        self.processes = [Process(["/usr/bin/python3", "-c", WITNESS, str(core)], self._note) for core in os.sched_getaffinity(0)]
         return self
+
+    def _note(self, line):
+        if line.count(" ") == 1:
+            self.stalls.append(tuple(map(float, line.split())))
 
     def __exit__(self, *_):
         for process in self.processes:
             process.kill()
-        text = "".join(process.communicate()[0] for process in self.processes)
-        self.stalls = [tuple(map(float, line.split())) for line in text.splitlines() if line.count(" ") == 1]
 
     def saw(self, begin, end):
         return any(start < end and begin < stop for start, stop in self.stalls)
@@ -216,12 +218,16 @@ class Bench:
         else:
             listen += ["--listen", f"127.0.0.1:{self.controller_port}"]
             self.line = f"tcp:127.0.0.1:{self.controller_port}"
-        if ":" not in line:
-            self.start_controller(listen)
-        if through is not None:
-            self.line = through(self)
-        self.bridge = self.start_bridge()
-        self.console = self.start_console()
+        try:
+            if ":" not in line:
+                self.start_controller(listen)
+            if through is not None:
+                self.line = through(self)
+            self.bridge = self.start_bridge()
+            self.console = self.start_console()
+        except BaseException:
+            self.__exit__()
+            raise
 
     def start_controller(self, arguments):
         self.controller = self.start("standin_flight_controller", arguments)
@@ -246,6 +252,10 @@ class Bench:
         return self.start("radio_bridge", ["--fc", self.line, "--lcm-url", self.bridge_url, "--key-file", self.key,
                                            "--vehicle", self.vehicle, "--protocol", self.protocol, *self.bridge_options],
                           prefix=[*prefix, *self.bridge_prefix], **options)
+
+    def guardian(self):
+        """@return process id, as the bridge says"""
+        return next(int(line.split("guardian ")[1]) for line in self.bridge.lines if "guardian " in line)
 
     def start_console(self, prefix=()):
         return self.start("link_console", ["--lcm-url", self.url, "--key-file", self.key, "--vehicle", self.vehicle],

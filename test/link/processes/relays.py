@@ -80,11 +80,11 @@ class SerialRelay:
     The cable can be blocked (nobody takes what is written), blocked in the middle of a frame, noisy, or cut (the bridge's
     device is gone)."""
 
-    def __init__(self, standin_link, folder):
+    def __init__(self, standin_link, folder, keeps=False):
         self.path = os.path.join(folder, "cable")
         script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "serial_cable.py")
-        self.process = Process(["/usr/bin/python3", "-u", script, standin_link, self.path])
-        wait_for(lambda: os.path.exists(self.path), 10, "cable is there")
+        self.process = Process(["/usr/bin/python3", "-u", script, standin_link, self.path, *(["keeps"] if keeps else [])])
+        wait_for(lambda: os.path.exists(self.path), 60, "cable is there")
 
     def order(self, words):
         """@return the moment [s] at which it was done"""

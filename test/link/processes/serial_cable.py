@@ -1,22 +1,28 @@
 """A serial cable between the stand-in's pseudo-terminal and one that it makes for the bridge; a process of its own, so that
-nothing else holds it up. usage: serial_cable.py STANDIN_END BRIDGE_END. Orders, one a line on standard input: block, half (pass a
+nothing else holds it up. usage: serial_cable.py STANDIN_END BRIDGE_END [keeps]. What waits in it is dropped when the bridge flushes its
+output (TCOFLUSH), as a serial driver drops it; with "keeps" it never is, as in some adapters. Orders, one a line on standard input: block, half (pass a
 part of the next frame, then block), free, noisy, clean, cut, plug. Each is answered with the time at which it was done."""
 import contextlib
+import fcntl
 import os
 import pty
 import random
 import select
+import struct
 import sys
+import termios
 import time
 import tty
 
 from link_bench import be_firm
 
+FLUSHED = 2    # TIOCPKT_FLUSHWRITE
 SPOILT = 0.3  # share of packets with a flipped bit while noisy
 
 
 class Cable:
-    def __init__(self, standin_end, bridge_end):
+    def __init__(self, standin_end, bridge_end, keeps):
+        self.keeps = keeps
         self.far = os.open(standin_end, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         tty.setraw(self.far)
         self.path = bridge_end
@@ -30,6 +36,8 @@ class Cable:
         near, slave = pty.openpty()
         tty.setraw(slave)
         os.set_blocking(near, False)
+        if not self.keeps:  # packet mode: each read begins with a byte that says whether the far side flushed
+            fcntl.ioctl(near, termios.TIOCPKT, struct.pack("i", 1))
         os.symlink(os.ttyname(slave), self.path)
         self.keep, self.near = slave, near
 
@@ -58,7 +66,7 @@ class Cable:
 
     def move(self, source, target):
         with contextlib.suppress(BlockingIOError, OSError):
-            data = os.read(source, 4096)
+            data = self.read_near() if source == self.near else os.read(source, 4096)
             if self.noisy and self.rng.random() < SPOILT and data:
                 spoilt = bytearray(data)
                 spoilt[self.rng.randrange(len(spoilt))] ^= 1 << self.rng.randrange(8)
@@ -70,10 +78,29 @@ class Cable:
                 print(time.monotonic())
             os.write(target, data)
 
+    def read_near(self):
+        data = os.read(self.near, 4096)
+        if self.keeps:
+            return data
+        return data[1:] if data[:1] == b"\0" else b""
+
+    def look_for_flush(self):
+        """While blocked: what the bridge has thrown away, and the rest of a frame with it."""
+        flushed = os.read(self.near, 4096)[0] & FLUSHED
+        if flushed:
+            self.rest = b""
+            with contextlib.suppress(BlockingIOError):
+                while os.read(self.near, 4096)[:1] == b"\0":
+                    pass
+
     def run(self):
         while True:
             ends = [] if self.near is None or self.blocked else [self.near, self.far]
-            ready = select.select([*ends, 0], [], [])[0]
+            flushes = [self.near] if self.blocked and self.near is not None and not self.keeps else []
+            ready, _, flushed = select.select([*ends, 0], [], flushes)
+            if flushed:
+                with contextlib.suppress(OSError):
+                    self.look_for_flush()
             if 0 in ready:
                 order = sys.stdin.readline().strip()
                 if not order:
@@ -89,4 +116,4 @@ class Cable:
 
 if __name__ == "__main__":
     be_firm(0, 65)
-    Cable(sys.argv[1], sys.argv[2]).run()
+    Cable(sys.argv[1], sys.argv[2], "keeps" in sys.argv[3:]).run()

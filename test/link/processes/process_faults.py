@@ -1,0 +1,213 @@
+"""Faults of radio_bridge and its guardian, from outside (signals) and from inside (fault_injection.c)."""
+import mmap
+import os
+import signal
+import struct
+import tempfile
+import time
+
+from link_bench import wait_for
+from link_faults import CONTROLLER, GUARDIAN, TYPICAL, Fault, Killed, preload
+
+
+class BridgeKilled(Killed):
+    name = "radio_bridge: kill -9, then started again"
+    promise, typical = GUARDIAN, TYPICAL
+    guard = "guardian"
+    victim = "bridge"
+
+
+class BridgeStopped(Killed):
+    name = "radio_bridge: SIGSTOP; ended by the guardian, started again"
+    promise, typical = GUARDIAN, TYPICAL
+    guard = "guardian"
+    victim = "bridge"
+    signal = signal.SIGSTOP
+
+
+class BridgeTerminated(Fault):
+    name = "radio_bridge: SIGTERM, SIGINT, SIGHUP"
+    guard = "bridge: safe frames before it ends"
+    signals = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+
+    def harm(self):
+        bench = self.bench
+        bench.bridge.signal(self.rng.choice(self.signals))
+
+        def undo():
+            bench.bridge.child.wait(3)
+            bench.bridge.kill()
+            bench.bridge = bench.start_bridge()
+        return None, undo
+
+
+class BridgeCrashed(BridgeTerminated):
+    name = "radio_bridge: SIGSEGV, SIGABRT, SIGBUS, SIGTRAP sent to it"
+    promise, typical = GUARDIAN, TYPICAL
+    guard = "guardian"
+    signals = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGTRAP)
+
+
+class Injected(Fault):
+    """A fault inside radio_bridge, by fault_injection.c: tens say where (10 main loop, 20 thread that receives from the network, 30 any other
+    thread, 40 clocks), ones what."""
+    promise, typical = GUARDIAN, TYPICAL
+    guard = "guardian"
+    fault = 0
+    argument = (0, 0)  # ms, drawn between these
+
+    def bench_options(self):
+        file, self.path = tempfile.mkstemp(prefix="link_fault_")
+        os.write(file, bytes(24))
+        os.close(file)
+        with open(self.path, "r+b") as handle:
+            self.order = mmap.mmap(handle.fileno(), 24)
+        return {"bridge_prefix": ["env", preload("fault_injection"), "SNAPWING_FAULT=" + self.path]}
+
+    def close(self):
+        super().close()
+        os.unlink(self.path)
+
+    def harm(self):
+        bench = self.bench
+        self.order[8:24] = struct.pack("qq", self.rng.randint(*self.argument), 0)
+        self.order[0:8] = struct.pack("q", self.fault)
+        wait_for(lambda: struct.unpack("q", self.order[16:24])[0] != 0, 2, "fault is done")
+        since = 1e-6 * struct.unpack("q", self.order[16:24])[0]
+
+        def undo():
+            time.sleep(max(0.0, since + self.rng.uniform(0.31, 1.0) - time.monotonic()))
+            self.order[0:24] = bytes(24)
+            if not self.survives or bench.bridge.child.poll() is not None:
+                bench.bridge.kill()
+                bench.bridge = bench.start_bridge()
+        return since, undo
+
+    survives = False
+
+
+class SegvMain(Injected):
+    name = "segmentation fault in the bridge's loop"
+    fault = 11
+
+
+class SegvNetwork(Injected):
+    name = "segmentation fault in the thread that reads the network (LCM's, all signals blocked)"
+    fault = 21
+
+
+class SegvOther(Injected):
+    name = "segmentation fault in another thread of the bridge"
+    fault = 31
+
+
+class AbortMain(Injected):
+    name = "abort (as by std::terminate) in the bridge's loop"
+    fault = 12
+
+
+class AbortNetwork(Injected):
+    name = "abort in the thread that reads the network"
+    fault = 22
+
+
+class AbortOther(Injected):
+    name = "abort in another thread of the bridge"
+    fault = 32
+
+
+class MemoryMain(Injected):
+    name = "the bridge's loop takes memory without end"
+    fault = 13
+
+
+class MemoryNetwork(Injected):
+    name = "the thread that reads the network takes memory without end"
+    fault = 23
+
+
+class Stalled(Injected):
+    name = "the bridge's loop stands still for 90 to 600 ms"
+    fault = 14
+    argument = (90, 600)
+
+
+class Spinning(Injected):
+    name = "the bridge's loop turns without end at its real-time priority"
+    fault = 15
+
+
+class ExitOther(Injected):
+    name = "another thread ends the bridge's process"
+    fault = 37
+
+
+class ClockStill(Injected):
+    name = "monotonic clock stands still while the others go on"
+    guard = "bridge: clocks disagree; guardian"
+    fault = 40
+
+
+class Suspended(Injected):
+    name = "suspended for 0.1 to 3 s: boot time and wall clock went on, the monotonic clock did not"
+    promise = 0.06
+    typical = None
+    guard = "bridge: clocks disagree"
+    fault = 41
+    argument = (100, 3000)
+    survives = True
+
+
+class WallClockSet(Suspended):
+    name = "wall clock set by an hour"
+    fault = 42
+    argument = (-3600000, 3600000)
+
+
+class GuardianKilled(Fault):
+    name = "guardian: kill -9"
+    promise = 0.08
+    guard = "bridge: refuses to pulse without it"
+    signal = signal.SIGKILL
+
+    def harm(self):
+        bench = self.bench
+        os.kill(bench.guardian(), self.signal)
+
+        def undo():
+            bench.bridge.kill()
+            bench.bridge = bench.start_bridge()
+        return None, undo
+
+
+class GuardianStopped(GuardianKilled):
+    name = "guardian: SIGSTOP"
+    promise = 0.20
+    guard = "bridge: the guardian does not move"
+    signal = signal.SIGSTOP
+
+    def harm(self):
+        guardian = self.bench.guardian()
+        since, undo = super().harm()
+
+        def kill_both():
+            os.kill(guardian, signal.SIGKILL)
+            undo()
+        return since, kill_both
+
+
+class GuardianThenBridge(GuardianKilled):
+    name = "guardian: kill -9, and the bridge at once after it"
+    promise = CONTROLLER
+    typical = 0.35
+    guard = "flight controller: throttle hold"
+
+    def harm(self):
+        since, undo = super().harm()
+        self.bench.bridge.signal(signal.SIGKILL)
+        return since, undo
+
+
+INJECTED = [SegvMain, SegvNetwork, SegvOther, AbortMain, AbortNetwork, AbortOther, MemoryMain, MemoryNetwork, Stalled, Spinning, ExitOther,
+            ClockStill, Suspended, WallClockSet]
+ALL = [BridgeKilled, BridgeStopped, BridgeTerminated, BridgeCrashed, *INJECTED, GuardianKilled, GuardianStopped, GuardianThenBridge]
