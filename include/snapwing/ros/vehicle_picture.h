@@ -9,6 +9,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,9 @@ struct PictureState {
   double wing_angle = 0;                      ///< [rad] 0 = unfolded
   common::Mode mode = common::Mode::UNKNOWN;  ///< colours the label
   std::string label;                          ///< text over the vehicle
+  double alpha = 1;                           ///< [0, 1] of everything, less where the mode is not known
+  double ghost_travel = NAN;                  ///< u [m] of a second picture beside it, faint; NaN = none
+  double ghost_wing_angle = 0;                ///< [rad]
   std::vector<double> thrust;                 ///< share of full thrust [0, 1] of each rotor; may be empty
   ros::Time stamp;
 };
@@ -67,6 +71,9 @@ class VehiclePicture {
   void drawRotors(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawArms(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawWings(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  void drawMoving(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  /// Arms, wings and housing at the ghost's travel, under names of their own that go out by themselves.
+  void drawGhost(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawLabel(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   geometry_msgs::Point place(double azimuth, double x, double y, double across) const;
 
