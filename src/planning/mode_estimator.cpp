@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "outside_force.h"
 #include "parameter_cloud.h"
@@ -90,7 +91,11 @@ struct ModeEstimator::Impl {
   void moveTo(double at);
   void forgetOldChanges();
   /// The trial with the force from outside that the particle believes in.
-  rom::Trial trialOf(const Particle& particle) const;
+  rom::Trial trialOf(const Particle& particle) const {
+    rom::Trial around = trial;
+    around.push = particle.outside.force;
+    return around;
+  }
   void stopAtLimits(Particle* particle) const;
   void normalise();
   void weigh(double specific_force);
@@ -100,7 +105,10 @@ struct ModeEstimator::Impl {
   void doubt(double density, double share);
   /// Puts this share of the particles where the reading could come from.
   void searchAnew(double share, double specific_force);
-  double effective() const;
+  double effective() const {
+    return 1.0 / std::accumulate(particles.begin(), particles.end(), 0.0,
+                                 [](double sum, const Particle& p) { return sum + p.weight * p.weight; });
+  }
   /// Fills in the mode, or why it is not known.
   void judge(ModeEstimate* result) const;
   void resample();
@@ -109,15 +117,15 @@ struct ModeEstimator::Impl {
   /// Draws `count` of `from`, which together weigh `weight`.
   void draw(const std::vector<const Particle*>& from, int count, double weight, std::vector<Particle>* next);
   bool inQuadrotor(const Particle& particle) const { return particle.state.travel > barrier; }
-  /// Weight of those for which this holds.
-  template <class Holds>
-  double share(Holds holds) const {
+  double shareInQuadrotor() const {
     double sum = 0;
-    for (const Particle& particle : particles) sum += holds(particle) ? particle.weight : 0.0;
+    for (const Particle& particle : particles) sum += inQuadrotor(particle) ? particle.weight : 0.0;
     return std::clamp(sum, 0.0, 1.0);
   }
-  double shareInQuadrotor() const {
-    return share([this](const Particle& particle) { return inQuadrotor(particle); });
+  double shareTouched() const {
+    double sum = 0;
+    for (const Particle& particle : particles) sum += particle.outside.touched() ? particle.weight : 0.0;
+    return std::clamp(sum, 0.0, 1.0);
   }
   /// Of the mode Q. Of a vehicle that may be anywhere, nothing is known of its mode.
   double probability(double quadrotor) const { return (1.0 - lost) * quadrotor + 0.5 * lost; }
@@ -263,7 +271,7 @@ void ModeEstimator::Impl::weigh(double specific_force) {
 }
 
 void ModeEstimator::Impl::follow(double span, double specific_force) {
-  touched = share([](const Particle& particle) { return particle.outside.touched(); });
+  touched = shareTouched();
   // A hand may hold the ring for ever, but nobody accelerates it for long.
   const bool pushed = touched > 0.5 && std::abs(specific_force - settings.gravity) > LASTING_FORCE;
   touched_time = pushed ? touched_time + span : 0.0;
@@ -316,21 +324,9 @@ void ModeEstimator::Impl::searchAnew(double share, double specific_force) {
 }
 
 void ModeEstimator::Impl::normalise() {
-  double sum = 0;
-  for (const Particle& particle : particles) sum += particle.weight;
+  const double sum = std::accumulate(particles.begin(), particles.end(), 0.0,
+                                     [](double before, const Particle& p) { return before + p.weight; });
   for (Particle& particle : particles) particle.weight /= sum;
-}
-
-rom::Trial ModeEstimator::Impl::trialOf(const Particle& particle) const {
-  rom::Trial around = trial;
-  around.push = particle.outside.force;
-  return around;
-}
-
-double ModeEstimator::Impl::effective() const {
-  double squares = 0;
-  for (const Particle& particle : particles) squares += particle.weight * particle.weight;
-  return 1.0 / squares;
 }
 
 double ModeEstimator::Impl::samplingVariance() const {
@@ -382,7 +378,7 @@ void ModeEstimator::Impl::resample() {
   // Those who believe in a touch and those who do not, each kind apart and never fewer than a fifth of all: a force
   // needs some readings to show, and until then its weight is small [Boers and Driessen 2003].
   sampling_variance += samplingVariance();
-  const double with = share([](const Particle& particle) { return particle.outside.touched(); });
+  const double with = shareTouched();
   const int all = settings.particles, least = all / LEAST_KIND;
   int count = std::clamp(static_cast<int>(std::lround(all * with)), least, all - least);
   if (!(with > 0)) count = 0;
@@ -474,11 +470,6 @@ void ModeEstimator::accelerometer(double time, double specific_force) {
 }
 
 const EstimatorSettings& ModeEstimator::settings() const { return impl_->settings; }
-
-double ModeEstimate::travelIn(common::Mode in) const {
-  const double there = in == common::Mode::QUADROTOR ? travel_quadrotor : travel_fixed_wing;
-  return std::isfinite(there) ? there : travel;
-}
 
 ModeEstimate ModeEstimator::estimate() const {
   ModeEstimate result;
