@@ -18,7 +18,7 @@ from snapwing_tools import topics
 from snapwing_tools.errors import InputError
 
 FORMAT = "snapwing_run"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 class Run:
