@@ -102,7 +102,9 @@ TEST_F(Picture, AnUnknownModeIsDrawnAsTwoFaintOnes) {
   for (const auto& marker : both) {
     const bool ghost = marker.ns.rfind("ghost ", 0) == 0;
     EXPECT_EQ(ghost, !marker.lifetime.isZero()) << marker.ns;
-    if (marker.ns != "label" && marker.action == 0) EXPECT_LE(marker.color.a, ghost ? 0.26 : 0.51) << marker.ns;
+    if (marker.ns != "label" && marker.action == 0) {
+      EXPECT_LE(marker.color.a, ghost ? 0.26 : 0.51) << marker.ns;
+    }
     if (marker.ns == "ghost housing") housing = marker.pose.position.z;
   }
   EXPECT_NEAR(housing, picture_.housingHeight(0.05), 1e-12);
