@@ -1,6 +1,7 @@
 // How well the mode estimator knows what it does not know: the simulated vehicle (dynamics, not the estimator's own
 // model) is switched, braked and pushed, with a noisy, biased accelerometer and motor outputs read back late.
-//   bench_estimator [seeds=20] [first=101] [case=PART OF A NAME] [member=value ...]   members of EstimatorSettings
+//   bench_estimator [seeds=20] [first=101] [rate=200] [case=PART OF A NAME] [member=value ...]
+// rate [Hz] of the readings; members of EstimatorSettings
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,7 +21,7 @@ namespace {
 using namespace snapwing;
 using common::Mode;
 
-constexpr double READING = 0.005;  // [s] between readings of the accelerometer
+double reading_period = 0.005;  // [s] between readings of the accelerometer
 
 double cpuSeconds() {
   timespec now{};
@@ -61,7 +62,7 @@ class Trial {
     setOutput(common::motorOutput(radio_, 0.0));
   }
   void run(double length) {
-    const long count = std::lround(length / READING);
+    const long count = std::lround(length / reading_period);
     for (long i = 0; i < count; ++i) step();
   }
   void pushFor(double force, double length) {
@@ -88,7 +89,7 @@ class Trial {
     for (const auto& [when, output] : next_outputs_) estimator_.motorOutput(when, output);
     for (const auto& change : next_outputs_) waiting_.insert(change);
     next_outputs_.clear();
-    time_ += READING;
+    time_ += reading_period;
     while (!waiting_.empty() && waiting_.begin()->first + late_ <= time_) {
       plant_.advanceTo(waiting_.begin()->first + late_);
       plant_.setMotorOutputs(std::vector<double>(4, waiting_.begin()->second));
@@ -244,6 +245,8 @@ int main(int argc, char** argv) {
       seeds = std::stoi(value);
     } else if (key == "first") {
       first = std::stoi(value);
+    } else if (key == "rate") {
+      reading_period = 1.0 / std::stod(value);
     } else if (key == "case") {
       only = value;
     } else if (key == "particles") {

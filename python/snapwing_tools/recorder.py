@@ -3,33 +3,40 @@
 import os
 import platform
 import threading
+import time
 
 import numpy as np
 
 from snapwing_tools import topics
+from snapwing_tools.clock_watch import ClockWatch
 from snapwing_tools.run_file import Run, column_array, write_run
 
 
 class RunBuffer:
-    """Thread-safe store of messages. Times are seconds of one clock (ROS time); the origin is when recording began."""
+    """Thread-safe store of messages. Times are seconds of one clock (ROS time); the origin is when recording began. When
+    the clock jumps, the run's times go on as if it had not, and the attribute clock_jumps counts it."""
 
     def __init__(self, origin, provenance=None):
         self._lock = threading.Lock()
         self._origin = float(origin)
+        self._clock = ClockWatch()
         self._provenance = dict(provenance or {})
         self._rows = {topic.name: [] for topic in topics.SERIES}
         self._latched = {}
 
-    def add(self, topic, message, received):
-        """Adds one message of a recorded topic; `received` is the time of arrival [s]."""
+    def add(self, topic, message, received, steady=None):
+        """Adds one message of a recorded topic; `received` is the time of arrival [s], `steady` that of a clock which only
+        goes on (time.monotonic() if not given)."""
         values = [topics.value_of(message, column.path) for column in topic.columns]
         values = [tuple(v) if c.kind == "array" else v for c, v in zip(topic.columns, values)]
         stamp = _seconds(message.header.stamp)
         # A message that nobody stamped is as old as its arrival.
-        time = stamp if stamp > 0 else received
+        stamped = stamp if stamp > 0 else received
         with self._lock:
+            self._clock.look(received, time.monotonic() if steady is None else steady)
+            origin = self._origin + self._clock.gone
             if topic.name in self._rows:
-                self._rows[topic.name].append((time - self._origin, received - self._origin, values))
+                self._rows[topic.name].append((stamped - origin, received - origin, values))
             else:
                 self._latched[topic.name] = values
 
@@ -46,7 +53,7 @@ class RunBuffer:
             rows = {name: list(entries) for name, entries in self._rows.items()}
             latched = dict(self._latched)
         run = Run()
-        run.attributes = dict(self._provenance, origin_unix=self._origin, ended=ended)
+        run.attributes = dict(self._provenance, origin_unix=self._origin, ended=ended, clock_jumps=self._clock.jumps)
         for topic in topics.SERIES:
             run.series[topic.name] = _series(topic, rows[topic.name])
         for topic in topics.LATCHED:

@@ -101,6 +101,11 @@ def provenance_texts(vehicle_file):
 def record(output, period, vehicle_file):
     recording = Recording(RunBuffer(rospy.get_time(), provenance_texts(vehicle_file)), output)
     recording.save()  # a place that cannot be written shows now, not at the end
+    if not rospy.get_time() > 0:
+        rospy.loginfo("waiting for a clock: use_sim_time is set and nobody publishes /clock")
+        while not rospy.get_time() > 0 and not rospy.is_shutdown():
+            time.sleep(0.02)
+        recording.buffer = RunBuffer(rospy.get_time(), provenance_texts(vehicle_file))
     subscribers = subscribe(recording.buffer)
     service = rospy.Service("~save", Trigger, recording.answer)
     rospy.loginfo("recording to %s", output)

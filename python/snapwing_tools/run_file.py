@@ -19,7 +19,7 @@ from snapwing_tools.errors import InputError
 from snapwing_tools.output_file import write_file
 
 FORMAT = "snapwing_run"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 class Run:

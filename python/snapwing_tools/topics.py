@@ -51,6 +51,8 @@ SERIES = [
         _column("travel", "m"),
         _column("travel_deviation", "m"),
         _column("wing_angle", "rad"),
+        _column("reason", "", "text", meaning="why the mode is unknown"),
+        _column("reading_age", "s", meaning="of the newest IMU reading in the estimate"),
     ], "estimated travel and mode probability"),
     Topic("link_status", "snapwing/LinkStatus", [
         _column("bridge_state", "", "int", meaning="0 unknown, 1 idle, 2 armed, 3 pulse, 4 fault"),

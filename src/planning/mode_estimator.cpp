@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <numeric>
 
 #include "outside_force.h"
 #include "parameter_cloud.h"
@@ -15,13 +15,6 @@ namespace snapwing::planning {
 
 namespace {
 
-void require(bool good, const char* name, double value, const char* allowed) {
-  if (!good) {
-    throw common::Error(std::string("mode estimator: ") + name + " is " + std::to_string(value) +
-                        "; allowed: " + allowed);
-  }
-}
-
 /// Likelihood of a reading that has nothing to do with the model: uniform over what an accelerometer may show.
 constexpr double OUTLIER_DENSITY = 1.0 / 300.0;  // [s2/m]
 /// Likewise if nothing is known of the vehicle but that it moves somewhere between its stops.
@@ -31,17 +24,25 @@ constexpr double ANYWHERE_DENSITY = 1.0 / 60.0;  // [s2/m]
 constexpr double TAIL = 4.0;
 constexpr double TAIL_PEAK = 0.375;  // [1] its density at 0
 
-constexpr double LEAST_NOISE = 0.002;     // [m/s per square root of s] of u' when nothing moves
-constexpr double COMMON_NOISE = 0.05;     // [m/s per square root of s] of the common speed: drag, thrust not modelled
-constexpr double MOVING = 0.1;            // [m/s] of u', above which errors of the travel show in full
-constexpr double MOST_RESTITUTION = 0.6;  // [1] of the mechanical stops
-constexpr int LEAST_KIND = 5;             // at least one of so many particles is touched, and one is not
-constexpr double LOST_SHARE = 0.01;       // [1] probability of getting lost, in each correlation time
-constexpr double LEAST_DOUBT = 0.1;       // [1] probability of being lost from which particles search
-constexpr double MOST_DOUBT = 0.999;      // [1]
-constexpr double SEARCHED_SHARE = 0.4;    // [1] of the particles in each correlation time, when surely lost
-constexpr double SEARCHED_RATE = 1.0;     // [m/s] standard deviation of their u'
-constexpr int CANDIDATES = 16;            // [1] states from which each of them chooses
+constexpr double LEAST_NOISE = 0.002;       // [m/s per square root of s] of u' when nothing moves
+constexpr double COMMON_NOISE = 0.05;       // [m/s per square root of s] of the common speed: drag, thrust not modelled
+constexpr double MOVING = 0.1;              // [m/s] of u', above which errors of the travel show in full
+constexpr double MOST_RESTITUTION = 0.6;    // [1] of the mechanical stops
+constexpr int LEAST_KIND = 5;               // at least one of so many particles is touched, and one is not
+constexpr int LEAST_BASIN = 10;             // likewise, of those in each of the two modes
+constexpr double SAMPLING_MARGIN = 3.0;     // [1] standard deviations of the particles' own error
+constexpr double DECIDED = 7.0;             // [1] log odds beyond which their error so far is forgotten
+constexpr double LASTING = 4.0;             // [outside_time] no touch lasts this long: something else is wrong
+constexpr double LASTING_FORCE = 1.0;       // [m/s2] specific force from which this is so
+constexpr double CLEAR_DOUBT = 0.1;         // [1] probability of being lost below which it counts as found again
+constexpr double LOST_SHARE = 0.01;         // [1] probability of getting lost, in each correlation time
+constexpr double LEAST_DOUBT = 0.1;         // [1] probability of being lost from which particles search
+constexpr double MOST_DOUBT = 0.999;        // [1]
+constexpr double SEARCHED_SHARE = 0.4;      // [1] of the particles in each correlation time, when surely lost
+constexpr double SEARCHED_RATE = 1.0;       // [m/s] standard deviation of their u'
+constexpr int CANDIDATES = 16;              // [1] states from which each of them chooses
+constexpr double LEAST_EVIDENCE = 5.0;      // [1] correlation times of readings, before which nothing is known
+constexpr std::size_t MOST_CHANGES = 1000;  // of the motors' output that are kept
 
 struct Particle {
   std::shared_ptr<const rom::LumpedModel> model;
@@ -53,34 +54,13 @@ struct Particle {
   double weight = 1;  ///< normalised
 };
 
-/// A change of the motors' output; commanded ones take the particle's radio latency to act.
+/// A change of the motors' output.
 struct OutputChange {
   double time;
   double output;
-  bool commanded;
 };
 
 }  // namespace
-
-void EstimatorSettings::validate() const {
-  require(particles >= 10 && particles <= 1000000, "particles", particles, "10 .. 1000000");
-  require(accelerometer_noise > 0 && std::isfinite(accelerometer_noise), "accelerometer_noise", accelerometer_noise,
-          "above 0 m/s2");
-  require(accelerometer_bias >= 0 && std::isfinite(accelerometer_bias), "accelerometer_bias", accelerometer_bias,
-          "0 m/s2 or more");
-  require(correlation_time > 0 && correlation_time <= 10, "correlation_time", correlation_time, "above 0, up to 10 s");
-  require(process_noise >= 0 && std::isfinite(process_noise), "process_noise", process_noise, "0 or more");
-  require(model_error >= 0 && model_error < 1, "model_error", model_error, "0 .. below 1");
-  require(outside_force >= 0 && outside_force <= 1000, "outside_force", outside_force, "0 .. 1000 N");
-  require(outside_rate >= 0 && outside_rate <= 100, "outside_rate", outside_rate, "0 .. 100 per s");
-  require(outside_time >= 0.01 && outside_time <= 100, "outside_time", outside_time, "0.01 .. 100 s");
-  require(output_delay >= 0 && output_delay <= 1, "output_delay", output_delay, "0 .. 1 s");
-  require(travel_error >= 0 && travel_error <= 0.01, "travel_error", travel_error, "0 .. 0.01 m");
-  require(outlier_share >= 0 && outlier_share < 1, "outlier_share", outlier_share, "0 .. below 1");
-  require(step > 0 && step <= 0.01, "step", step, "above 0, up to 0.01 s");
-  require(sure > 0.5 && sure < 1, "sure", sure, "between 0.5 and 1");
-  require(std::abs(gravity) <= 100, "gravity", gravity, "-100 .. 100 m/s2");
-}
 
 struct ModeEstimator::Impl {
   Impl(const common::Vehicle& v, const common::ForceTable& table, const EstimatorSettings& s,
@@ -90,7 +70,8 @@ struct ModeEstimator::Impl {
         curves(table, wing),
         random(s.seed),
         touch(s.mount == rom::Mount::HELD ? 0.0 : s.outside_force, s.outside_rate, s.outside_time),
-        cloud(v, table, s.particles, random) {
+        cloud(v, table, s.particles, random),
+        barrier(curves.spline().equilibria().barrier) {
     trial.mount = s.mount;
     trial.gravity = s.gravity;
     trial.wings = s.wings;
@@ -104,11 +85,17 @@ struct ModeEstimator::Impl {
   }
 
   void reset(double at, common::Mode initial);
+  /// After a gap: nothing is known but what the motors do.
+  void beginAnew(double at);
   double outputFor(const Particle& particle, double at) const;
   void moveTo(double at);
   void forgetOldChanges();
   /// The trial with the force from outside that the particle believes in.
-  rom::Trial trialOf(const Particle& particle) const;
+  rom::Trial trialOf(const Particle& particle) const {
+    rom::Trial around = trial;
+    around.push = particle.outside.force;
+    return around;
+  }
   void stopAtLimits(Particle* particle) const;
   void normalise();
   void weigh(double specific_force);
@@ -118,10 +105,37 @@ struct ModeEstimator::Impl {
   void doubt(double density, double share);
   /// Puts this share of the particles where the reading could come from.
   void searchAnew(double share, double specific_force);
-  double effective() const;
+  double effective() const {
+    return 1.0 / std::accumulate(particles.begin(), particles.end(), 0.0,
+                                 [](double sum, const Particle& p) { return sum + p.weight * p.weight; });
+  }
+  /// Fills in the mode, or why it is not known.
+  void judge(ModeEstimate* result) const;
   void resample();
-  /// Draws `count` of one kind, which together weigh `weight`.
-  void draw(bool touched, int count, double weight, std::vector<Particle>* next);
+  /// Draws `count` of those that are touched, or not, keeping the weight of each mode among them.
+  void drawKind(bool touched, int count, std::vector<Particle>* next);
+  /// Draws `count` of `from`, which together weigh `weight`.
+  void draw(const std::vector<const Particle*>& from, int count, double weight, std::vector<Particle>* next);
+  bool inQuadrotor(const Particle& particle) const { return particle.state.travel > barrier; }
+  double shareInQuadrotor() const {
+    double sum = 0;
+    for (const Particle& particle : particles) sum += inQuadrotor(particle) ? particle.weight : 0.0;
+    return std::clamp(sum, 0.0, 1.0);
+  }
+  double shareTouched() const {
+    double sum = 0;
+    for (const Particle& particle : particles) sum += particle.outside.touched() ? particle.weight : 0.0;
+    return std::clamp(sum, 0.0, 1.0);
+  }
+  /// Of the mode Q. Of a vehicle that may be anywhere, nothing is known of its mode.
+  double probability(double quadrotor) const { return (1.0 - lost) * quadrotor + 0.5 * lost; }
+  /// What drawing anew now would add to the variance of the log odds [1].
+  double samplingVariance() const;
+  /// Log odds of the likelier mode that hold whatever the error of the particles. @param quadrotor  share of Q
+  double surelyAtLeast(double quadrotor) const;
+  /// Notes for how long a force from outside has been believed to accelerate the vehicle, and whether the mode is
+  /// known. @param span  [s]
+  void follow(double span, double specific_force);
 
   common::Vehicle vehicle;
   EstimatorSettings settings;
@@ -134,13 +148,21 @@ struct ModeEstimator::Impl {
   std::vector<OutputChange> changes;  ///< by time
   double time = 0;
   double last_reading = -INFINITY;
-  double lost = 0;  ///< [1] probability that the vehicle is not where the particles are
+  double lost = 0;               ///< [1] probability that the vehicle is not where the particles are
+  double evidence = 0;           ///< [1] correlation times of readings since the start
+  double last_effective = 0;     ///< particles that counted at the last reading
+  double touched = 0;            ///< [1] probability of a force from outside
+  double touched_time = 0;       ///< [s] for which it has been the likelier one
+  bool known = false;            ///< the mode was known while nobody touched, and the vehicle has not been lost since
+  double barrier;                ///< [m]
+  double sampling_variance = 0;  ///< [1] of the log odds of the modes: what drawing anew added since the start
 };
 
 void ModeEstimator::Impl::reset(double at, common::Mode initial) {
   time = at;
   last_reading = -INFINITY;
-  lost = 0;
+  lost = evidence = last_effective = touched = touched_time = sampling_variance = 0;
+  known = initial != common::Mode::UNKNOWN;
   changes.clear();
   particles.assign(settings.particles, Particle{});
   rom::Trial rest = trial;
@@ -159,11 +181,16 @@ void ModeEstimator::Impl::reset(double at, common::Mode initial) {
   }
 }
 
+void ModeEstimator::Impl::beginAnew(double at) {
+  const double output = changes.empty() ? 0.0 : changes.back().output;
+  reset(at, common::Mode::UNKNOWN);
+  changes.push_back({at - settings.output_delay, output});
+}
+
 double ModeEstimator::Impl::outputFor(const Particle& particle, double at) const {
   double output = 0;
   for (const OutputChange& change : changes) {
-    const double delay = change.commanded ? particle.model->parameters().latency : particle.output_delay;
-    if (change.time + delay <= at) output = change.output;
+    if (change.time + particle.output_delay <= at) output = change.output;
   }
   return output;
 }
@@ -213,15 +240,17 @@ void ModeEstimator::Impl::stopAtLimits(Particle* particle) const {
 
 void ModeEstimator::Impl::forgetOldChanges() {
   // Changes that every particle has long seen, but for the last of them.
-  const double seen = time - settings.output_delay - vehicle.radio.latency.high();
+  const double seen = time - settings.output_delay;
   std::size_t old = 0;
   while (old + 1 < changes.size() && changes[old + 1].time < seen) ++old;
   changes.erase(changes.begin(), changes.begin() + static_cast<std::ptrdiff_t>(old));
 }
 
 void ModeEstimator::Impl::weigh(double specific_force) {
-  const double share = std::min(1.0, (time - last_reading) / settings.correlation_time);
+  const double span = std::min(time - last_reading, settings.correlation_time);
+  const double share = span / settings.correlation_time;
   last_reading = time;
+  evidence += share;
   std::vector<double> fit(particles.size());
   double explained = 0;
   const double noise = settings.outlier_share * OUTLIER_DENSITY;
@@ -235,8 +264,22 @@ void ModeEstimator::Impl::weigh(double specific_force) {
   if (!std::isfinite(best)) return;  // nothing fits and no outliers are allowed for: the reading is dropped
   for (std::size_t i = 0; i < particles.size(); ++i) particles[i].weight *= std::exp(share * (fit[i] - best));
   normalise();
-  if (effective() < 0.5 * settings.particles) resample();
+  last_effective = effective();
+  if (last_effective < 0.5 * settings.particles) resample();
   if (lost > LEAST_DOUBT) searchAnew(lost * SEARCHED_SHARE * share, specific_force);
+  follow(span, specific_force);
+}
+
+void ModeEstimator::Impl::follow(double span, double specific_force) {
+  touched = shareTouched();
+  // A hand may hold the ring for ever, but nobody accelerates it for long.
+  const bool pushed = touched > 0.5 && std::abs(specific_force - settings.gravity) > LASTING_FORCE;
+  touched_time = pushed ? touched_time + span : 0.0;
+  const double odds = surelyAtLeast(shareInQuadrotor());
+  if (odds > DECIDED) sampling_variance = 0;
+  const bool sure = odds >= std::log(settings.sure / (1.0 - settings.sure)) && evidence >= LEAST_EVIDENCE;
+  if (lost > 0.5 || touched_time > LASTING * settings.outside_time) known = false;
+  if (sure && lost < CLEAR_DOUBT && touched < 0.5) known = true;
 }
 
 double ModeEstimator::Impl::readingDensity(const Particle& particle, double specific_force) const {
@@ -281,39 +324,69 @@ void ModeEstimator::Impl::searchAnew(double share, double specific_force) {
 }
 
 void ModeEstimator::Impl::normalise() {
-  double sum = 0;
-  for (const Particle& particle : particles) sum += particle.weight;
+  const double sum = std::accumulate(particles.begin(), particles.end(), 0.0,
+                                     [](double before, const Particle& p) { return before + p.weight; });
   for (Particle& particle : particles) particle.weight /= sum;
 }
 
-rom::Trial ModeEstimator::Impl::trialOf(const Particle& particle) const {
-  rom::Trial around = trial;
-  around.push = particle.outside.force;
-  return around;
+double ModeEstimator::Impl::samplingVariance() const {
+  // The sum of n weights, equal at the last draw, has the relative variance 1 / n_effective - 1 / n.
+  double sum[2] = {0, 0}, squares[2] = {0, 0}, count[2] = {0, 0};
+  for (const Particle& particle : particles) {
+    const int mode = inQuadrotor(particle) ? 1 : 0;
+    sum[mode] += particle.weight;
+    squares[mode] += particle.weight * particle.weight;
+    count[mode] += 1;
+  }
+  double variance = 0;
+  for (int mode = 0; mode < 2; ++mode) {
+    if (sum[mode] > 0) variance += std::max(0.0, squares[mode] / (sum[mode] * sum[mode]) - 1.0 / count[mode]);
+  }
+  return variance;
 }
 
-double ModeEstimator::Impl::effective() const {
-  double squares = 0;
-  for (const Particle& particle : particles) squares += particle.weight * particle.weight;
-  return 1.0 / squares;
+double ModeEstimator::Impl::surelyAtLeast(double quadrotor) const {
+  const double likelier = std::max(quadrotor, 1.0 - quadrotor);
+  if (likelier >= 1.0) return INFINITY;
+  const double odds = std::log(likelier / (1.0 - likelier));
+  return odds - SAMPLING_MARGIN * std::sqrt(sampling_variance + samplingVariance());
+}
+
+void ModeEstimator::Impl::judge(ModeEstimate* result) const {
+  const bool fixed_wing = result->probability_fixed_wing >= settings.sure;
+  const bool quadrotor = result->probability_quadrotor >= settings.sure;
+  if (evidence == 0) {
+    result->reason = "no IMU reading came";
+  } else if (evidence < LEAST_EVIDENCE) {
+    result->reason = "too few IMU readings so far";
+  } else if (last_effective < settings.least_effective * settings.particles) {
+    result->reason = "too few particles explain the readings";
+  } else if (lost > 0.5) {
+    result->reason = "the readings fit no state of the vehicle";
+  } else if (!fixed_wing && !quadrotor) {
+    result->reason = "the readings fit both modes";
+  } else if (!known && touched > 0.5) {
+    result->reason = "only a lasting force from outside explains the readings: are gravity and the IMU's axis right?";
+  } else if (!known) {
+    result->reason = "the readings fitted nothing a moment ago";
+  } else {
+    result->mode = fixed_wing ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
+  }
 }
 
 void ModeEstimator::Impl::resample() {
   // Those who believe in a touch and those who do not, each kind apart and never fewer than a fifth of all: a force
   // needs some readings to show, and until then its weight is small [Boers and Driessen 2003].
-  double touched = 0;
-  std::size_t with = 0;
-  for (const Particle& particle : particles) {
-    if (particle.outside.touched()) touched += particle.weight, ++with;
-  }
+  sampling_variance += samplingVariance();
+  const double with = shareTouched();
   const int all = settings.particles, least = all / LEAST_KIND;
-  int count = std::clamp(static_cast<int>(std::lround(all * touched)), least, all - least);
-  if (with == 0 || !(touched > 0)) count = 0;
-  if (with == particles.size() || !(touched < 1)) count = all;
+  int count = std::clamp(static_cast<int>(std::lround(all * with)), least, all - least);
+  if (!(with > 0)) count = 0;
+  if (!(with < 1)) count = all;
   std::vector<Particle> next;
   next.reserve(particles.size());
-  draw(true, count, touched, &next);
-  draw(false, all - count, 1.0 - touched, &next);
+  drawKind(true, count, &next);
+  drawKind(false, all - count, &next);
   std::vector<common::VehicleParameters> parameters;
   for (const Particle& particle : next) parameters.push_back(particle.model->parameters());
   cloud.scatter(parameters, random);
@@ -324,19 +397,36 @@ void ModeEstimator::Impl::resample() {
   particles = std::move(next);
 }
 
-void ModeEstimator::Impl::draw(bool touched, int count, double weight, std::vector<Particle>* next) {
+void ModeEstimator::Impl::drawKind(bool touched_ones, int count, std::vector<Particle>* next) {
   if (count <= 0) return;
-  std::vector<const Particle*> kind;
+  // Each mode apart: drawing them together lets the share of a mode drift by chance, until one of them is gone.
+  std::vector<const Particle*> in[2];
+  double weight[2] = {0, 0};
   for (const Particle& particle : particles) {
-    if (particle.outside.touched() == touched) kind.push_back(&particle);
+    if (particle.outside.touched() != touched_ones) continue;
+    const int mode = inQuadrotor(particle) ? 1 : 0;
+    in[mode].push_back(&particle);
+    weight[mode] += particle.weight;
   }
+  const int least = count / LEAST_BASIN;
+  int quadrotor = static_cast<int>(std::lround(count * weight[1] / (weight[0] + weight[1])));
+  quadrotor = std::clamp(quadrotor, weight[1] > 0 ? least : 0, count - (weight[0] > 0 ? least : 0));
+  if (!(weight[0] > 0)) quadrotor = count;
+  if (!(weight[1] > 0)) quadrotor = 0;
+  draw(in[0], count - quadrotor, weight[0], next);
+  draw(in[1], quadrotor, weight[1], next);
+}
+
+void ModeEstimator::Impl::draw(const std::vector<const Particle*>& from, int count, double weight,
+                               std::vector<Particle>* next) {
+  if (count <= 0) return;
   // Systematic: one random number for all.
   const double spacing = weight / count;
-  double at = spacing * random.uniform(), sum = kind.front()->weight;
+  double at = spacing * random.uniform(), sum = from.front()->weight;
   std::size_t k = 0;
   for (int i = 0; i < count; ++i, at += spacing) {
-    while (sum < at && k + 1 < kind.size()) sum += kind[++k]->weight;
-    next->push_back(*kind[k]);
+    while (sum < at && k + 1 < from.size()) sum += from[++k]->weight;
+    next->push_back(*from[k]);
     next->back().weight = spacing;
   }
 }
@@ -355,8 +445,7 @@ ModeEstimator::ModeEstimator(ModeEstimator&&) noexcept = default;
 
 void ModeEstimator::reset(double time, common::Mode initial) { impl_->reset(time, initial); }
 
-void ModeEstimator::atRest(double time) {
-  impl_->moveTo(time);
+void ModeEstimator::atRest() {
   for (Particle& particle : impl_->particles) {
     particle.state.centre_speed -= particle.state.ring_speed;
     particle.state.ring_speed = 0.0;
@@ -368,46 +457,42 @@ void ModeEstimator::motorOutput(double time, double output) {
   auto& changes = impl_->changes;
   if (!std::isfinite(output) || !std::isfinite(time) || (!changes.empty() && time < changes.back().time)) return;
   const double clamped = std::clamp(output, 0.0, 1.0);
-  if (!changes.empty() && changes.back().output == clamped && !changes.back().commanded) return;
-  changes.push_back({time, clamped, false});
-}
-
-void ModeEstimator::commandedPulse(double time, const common::Pulse& pulse) {
-  if (!std::isfinite(time)) return;
-  const common::Radio& radio = impl_->vehicle.radio;
-  impl_->changes.push_back({time, common::motorOutput(radio, pulse.throttle), true});
-  impl_->changes.push_back({time + pulse.duration, common::motorOutput(radio, 0.0), true});
+  if (!changes.empty() && changes.back().output == clamped) return;
+  if (changes.size() >= MOST_CHANGES) changes.erase(changes.begin(), changes.begin() + MOST_CHANGES / 2);
+  changes.push_back({time, clamped});
 }
 
 void ModeEstimator::accelerometer(double time, double specific_force) {
   if (!std::isfinite(time) || !std::isfinite(specific_force) || time < impl_->time) return;
+  if (time - impl_->time > impl_->settings.longest_gap) impl_->beginAnew(time);
   impl_->moveTo(time);
   impl_->weigh(specific_force);
 }
 
-void ModeEstimator::predictTo(double time) {
-  if (std::isfinite(time)) impl_->moveTo(time);
-}
+const EstimatorSettings& ModeEstimator::settings() const { return impl_->settings; }
 
 ModeEstimate ModeEstimator::estimate() const {
   ModeEstimate result;
   result.time = impl_->time;
-  const double barrier = impl_->curves.spline().equilibria().barrier;
-  double quadrotor = 0, mean = 0, squares = 0;
+  double quadrotor = 0, mean = 0, mean_quadrotor = 0, squares = 0;
   for (const Particle& particle : impl_->particles) {
-    if (particle.state.travel > barrier) quadrotor += particle.weight;
-    mean += particle.weight * particle.state.travel;
+    const double part = particle.weight * particle.state.travel;
+    mean += part;
+    if (impl_->inQuadrotor(particle)) quadrotor += particle.weight, mean_quadrotor += part;
   }
   for (const Particle& particle : impl_->particles) {
     squares += particle.weight * (particle.state.travel - mean) * (particle.state.travel - mean);
   }
-  result.probability_quadrotor = std::clamp(quadrotor, 0.0, 1.0);
+  quadrotor = std::clamp(quadrotor, 0.0, 1.0);
+  if (quadrotor > 0) result.travel_quadrotor = mean_quadrotor / quadrotor;
+  if (quadrotor < 1) result.travel_fixed_wing = (mean - mean_quadrotor) / (1.0 - quadrotor);
+  result.lost = impl_->lost;
+  result.probability_quadrotor = impl_->probability(quadrotor);
   result.probability_fixed_wing = 1.0 - result.probability_quadrotor;
   result.travel = mean;
   result.travel_deviation = std::hypot(std::sqrt(squares), impl_->settings.travel_error);
-  result.effective_particles = impl_->effective();
-  if (result.probability_fixed_wing >= impl_->settings.sure) result.mode = common::Mode::FIXED_WING;
-  if (result.probability_quadrotor >= impl_->settings.sure) result.mode = common::Mode::QUADROTOR;
+  result.effective_particles = impl_->last_effective;
+  impl_->judge(&result);
   return result;
 }
 

@@ -146,6 +146,16 @@ std::string Params::choice(const std::string& key, const std::vector<std::string
 
 common::Vehicle Params::vehicle() { return common::loadVehicle(text("vehicle_file")); }
 
+std::string framePrefix(Params& params, const std::string& name_space) {
+  std::string prefix = params.textOr("frame_prefix", "auto");
+  if (prefix == "none") return "";
+  if (prefix == "auto") prefix = name_space;
+  // tf2 refuses frames that begin with a slash.
+  const std::size_t begin = prefix.find_first_not_of('/');
+  if (begin == std::string::npos) return "";
+  return prefix.substr(begin, prefix.find_last_not_of('/') - begin + 1) + "/";
+}
+
 void Params::finish() {
   if (tree_.valid()) {
     std::string known;

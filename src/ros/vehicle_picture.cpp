@@ -16,6 +16,7 @@ namespace {
 constexpr double PI = 3.14159265358979323846;
 constexpr double LABEL_HEIGHT = 0.27;   // [m] over the ring
 constexpr double FULL_ARROW = 0.16;     // [m] arrow of full thrust
+constexpr double GHOST_LIFE = 0.3;      // [s]
 constexpr double ROTOR_HEIGHT = 0.028;  // [m] propeller over the ring
 
 std_msgs::ColorRGBA modeColour(common::Mode mode) {
@@ -25,6 +26,13 @@ std_msgs::ColorRGBA modeColour(common::Mode mode) {
 }
 
 double mix(double a, double b, double s) { return a + s * (b - a); }
+
+void fade(MarkerArray& markers, double alpha) {
+  for (Marker& marker : markers.markers) {
+    marker.color.a = static_cast<float>(marker.color.a * alpha);
+    for (std_msgs::ColorRGBA& one : marker.colors) one.a = static_cast<float>(one.a * alpha);
+  }
+}
 
 }  // namespace
 
@@ -96,14 +104,39 @@ MarkerArray VehiclePicture::draw(const PictureState& state) const {
   MarkerArray out;
   drawFrame(out, state);
   drawRotors(out, state);
-  drawArms(out, state);
-  if (wing_) drawDesignedWings(*wing_, state.travel, &out);
+  drawMoving(out, state);
+  fade(out, state.alpha);
+  if (std::isfinite(state.ghost_travel)) drawGhost(out, state);
   drawLabel(out, state);
   for (Marker& marker : out.markers) {
     marker.header.stamp = state.stamp;
     if (marker.header.frame_id.empty()) marker.header.frame_id = settings_.ring_frame;
   }
   return out;
+}
+
+void VehiclePicture::drawMoving(MarkerArray& out, const PictureState& state) const {
+  drawArms(out, state);
+  if (wing_) drawDesignedWings(*wing_, state.travel, &out);
+}
+
+void VehiclePicture::drawGhost(MarkerArray& out, const PictureState& state) const {
+  const common::Geometry& g = vehicle_.geometry;
+  PictureState other = state;
+  other.travel = state.ghost_travel;
+  MarkerArray ghost;
+  drawMoving(ghost, other);
+  Marker housing = makeMarker("housing", 0, Marker::CYLINDER, colour(0.36, 0.39, 0.45));
+  housing.pose.position.z = housingHeight(other.travel);  // the housing's frame shows the likelier mode
+  housing.scale.x = housing.scale.y = 2 * g.housing_radius;
+  housing.scale.z = g.housing_height;
+  ghost.markers.push_back(housing);
+  fade(ghost, 0.5 * state.alpha);
+  for (Marker& marker : ghost.markers) {
+    marker.ns = "ghost " + marker.ns;
+    marker.lifetime = ros::Duration(GHOST_LIFE);
+    out.markers.push_back(marker);
+  }
 }
 
 void VehiclePicture::drawFrame(MarkerArray& out, const PictureState&) const {

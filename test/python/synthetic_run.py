@@ -163,7 +163,8 @@ def _send_motion(send, motion):
         deviation = 0.001 + 0.004 * min(1.0, abs(motion["travel_rate"][k]))
         send("mode_state", Message(header=header(now), mode=estimate, probability_fixed_wing=1 - likely,
                                    probability_quadrotor=likely, travel=u + generator.normal(0, 0.0004),
-                                   travel_deviation=deviation, wing_angle=u * 40))
+                                   travel_deviation=deviation, wing_angle=u * 40, reading_age=0.0,
+                                   reason="" if estimate else "the readings fit both modes"))
         zero = Message(x=0.0, y=0.0, z=0.0)
         send("imu", Message(header=header(now), linear_acceleration=zero, angular_velocity=zero))
 

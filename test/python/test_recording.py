@@ -10,7 +10,8 @@ import h5py
 import numpy as np
 
 import synthetic_run
-from snapwing_tools import run_file, topics
+from snapwing_tools import clock_watch, run_file, topics
+from snapwing_tools.clock_watch import ClockWatch
 from snapwing_tools.errors import InputError
 from snapwing_tools.recorder import RunBuffer
 
@@ -26,6 +27,37 @@ def message_fields(name):
             if found and "=" not in line.split("#")[0]:
                 fields[found.group(2)] = found.group(1)
     return fields
+
+
+class Clocks(unittest.TestCase):
+    """The rule of test/common/test_time_watch.cpp."""
+
+    def test_a_first_time_a_pause_and_a_small_correction_are_no_jumps(self):
+        watch = ClockWatch()
+        self.assertEqual(watch.look(0.0, 1.0), clock_watch.MISSING)
+        for now, steady in ((1.5e9, 2.0), (1.5e9 + 30, 32.0), (1.5e9 + 30, 62.0), (1.5e9 + 29.8, 62.1)):
+            self.assertEqual(watch.look(now, steady), clock_watch.ON)
+        self.assertEqual(watch.jumps, 0)
+
+    def test_jumps_both_ways(self):
+        watch = ClockWatch()
+        watch.look(100.0, 1.0)
+        self.assertEqual(watch.look(20.0, 1.1), clock_watch.BACK)
+        self.assertEqual(watch.look(620.0, 1.2), clock_watch.AHEAD)
+        self.assertEqual(watch.look(620.1, 1.3), clock_watch.ON)
+        self.assertEqual(watch.jumps, 2)
+
+    def test_a_run_goes_on_through_a_jump(self):
+        topic = next(t for t in topics.SERIES if t.name == "imu")
+        zero = synthetic_run.Message(x=0.0, y=0.0, z=0.0)
+        buffer = RunBuffer(1000.0)
+        for stamp, steady in ((1000.0, 5.0), (1000.1, 5.1), (920.2, 5.2), (920.3, 5.3)):
+            message = synthetic_run.Message(header=synthetic_run.Message(stamp=stamp), linear_acceleration=zero,
+                                            angular_velocity=zero)
+            buffer.add(topic, message, stamp, steady)
+        run = buffer.to_run("closed")
+        np.testing.assert_allclose(run.series["imu"]["time"], [0.0, 0.1, 0.2, 0.3], atol=1e-9)
+        self.assertEqual(run.attributes["clock_jumps"], 1)
 
 
 class Schema(unittest.TestCase):
@@ -169,7 +201,7 @@ class BadRunFiles(unittest.TestCase):
             change(file)
 
     def test_later_version(self):
-        self.damage(lambda file: file.attrs.modify("format_version", 2))
+        self.damage(lambda file: file.attrs.modify("format_version", 1))
         self.refused("format version 2")
 
     def test_missing_dataset(self):

@@ -62,7 +62,9 @@ class Nodes(unittest.TestCase):
             self.assertEqual(len(arm.points), len(arm.colors))
         buffer = tf2_ros.Buffer()
         listener = tf2_ros.TransformListener(buffer)
-        buffer.lookup_transform("map", "housing", rospy.Time(), rospy.Duration(10))
+        # The namespace is the frames' prefix: two vehicles on one master do not share them.
+        buffer.lookup_transform("map", "snapwing/housing", rospy.Time(), rospy.Duration(10))
+        self.assertTrue(all(m.header.frame_id.startswith("snapwing/") for m in markers))
         listener.unregister()
 
     def test_prediction(self):

@@ -102,6 +102,27 @@ TEST_F(Picture, VehicleWithoutWingsIsDrawnWithoutWings) {
   }
 }
 
+TEST_F(Picture, AnUnknownModeIsDrawnAsTwoFaintOnes) {
+  PictureState state;
+  state.travel = 0.0;
+  const auto known = picture_.draw(state).markers;
+  for (const auto& marker : known) EXPECT_EQ(marker.ns.find("ghost"), std::string::npos);
+  state.alpha = 0.5;
+  state.ghost_travel = 0.05;
+  const auto both = picture_.draw(state).markers;
+  EXPECT_GT(both.size(), known.size());
+  double housing = NAN;
+  for (const auto& marker : both) {
+    const bool ghost = marker.ns.rfind("ghost ", 0) == 0;
+    EXPECT_EQ(ghost, !marker.lifetime.isZero()) << marker.ns;
+    if (marker.ns != "label" && marker.action == 0) {
+      EXPECT_LE(marker.color.a, ghost ? 0.26 : 0.51) << marker.ns;
+    }
+    if (marker.ns == "ghost housing") housing = marker.pose.position.z;
+  }
+  EXPECT_NEAR(housing, picture_.housingHeight(0.05), 1e-12);
+}
+
 TEST_F(Picture, HousingMovesDownByTravel) {
   EXPECT_NEAR(picture_.housingHeight(0.0) - picture_.housingHeight(0.05), 0.05, 1e-12);
 }

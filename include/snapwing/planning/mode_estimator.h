@@ -7,9 +7,12 @@
 /// the last only while u moves.
 /// A force from outside on the ring side is a jump Markov process of each particle, the mechanical stops of the vehicle
 /// file throw it back, and readings that no particle explains start a new search. docs/planning.md describes all this.
+/// It never reads a clock; planning/mode_observer.h feeds it in order and judges whether anything is known at all.
 
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "snapwing/common/force_table.h"
@@ -43,7 +46,11 @@ struct EstimatorSettings {
   double outside_rate = 1.0;  ///< [1/s] how often a touch begins
   double outside_time = 0.3;  ///< [s] how long it lasts on average, and how long its force stays about the same
   double step = 2e-3;         ///< [s] of the particles' motion
-  double sure = 0.95;         ///< [1] probability from which a mode counts as known
+  /// [s] a stretch without readings that is longer ends all that was known: the particles begin anew, half in each
+  /// mode. It bounds the work of one reading, too.
+  double longest_gap = 1.0;
+  double least_effective = 0.02;  ///< [1] share of the particles; fewer effective ones know nothing
+  double sure = 0.95;             ///< [1] probability from which a mode counts as known
   rom::Mount mount = rom::Mount::BOOM;
   double gravity = 0;         ///< [m/s2] against the thrust axis
   std::optional<bool> wings;  ///< on or off, as in rom::Trial
@@ -52,12 +59,25 @@ struct EstimatorSettings {
 
 struct ModeEstimate {
   double time = 0;
-  common::Mode mode = common::Mode::UNKNOWN;  ///< UNKNOWN unless one probability exceeds `sure`
+  /// UNKNOWN unless one probability exceeds `sure`, and readings stand behind it
+  common::Mode mode = common::Mode::UNKNOWN;
+  std::string reason;  ///< why the mode is UNKNOWN; empty if it is known
   double probability_fixed_wing = 0.5;
   double probability_quadrotor = 0.5;
-  double travel = 0;            ///< [m] mean of u
+  double travel = 0;            ///< [m] mean of u, which between two modes is the travel of neither
   double travel_deviation = 0;  ///< [m]
-  double effective_particles = 0;
+  /// [m] mean of u among the particles in one mode; NaN if none is there
+  double travel_fixed_wing = std::numeric_limits<double>::quiet_NaN();
+  double travel_quadrotor = std::numeric_limits<double>::quiet_NaN();
+  double effective_particles = 0;  ///< at the last reading, before they were drawn anew
+  double lost = 0;                 ///< [1] probability that the vehicle is not where the particles are
+
+  /// The mode that is the likelier one, by however little; F if both are equal.
+  common::Mode likelier() const {
+    return probability_quadrotor > probability_fixed_wing ? common::Mode::QUADROTOR : common::Mode::FIXED_WING;
+  }
+  /// [m] u in one mode, as far as the particles know it, else the mean
+  double travelIn(common::Mode in) const;
 };
 
 class ModeEstimator {
@@ -69,25 +89,20 @@ class ModeEstimator {
   ~ModeEstimator();
   ModeEstimator(ModeEstimator&&) noexcept;
 
-  /// Starts afresh at rest. @param initial  F, Q, or UNKNOWN (half of the particles in each)
+  /// Starts afresh at rest. @param initial  F or Q: somebody saw it; or UNKNOWN (half of the particles in each)
   void reset(double time, common::Mode initial);
 
-  /// The vehicle was seen to stand still (hand holds the ring): the particles' speeds along the axis become 0.
-  void atRest(double time);
+  /// The vehicle is seen to stand still now (hand holds the ring): the particles' speeds along the axis become 0.
+  void atRest();
 
   /// Mean motor output [0, 1] valid from `time` [s] on. Out-of-order times are ignored.
   void motorOutput(double time, double output);
-  /// Commanded pulse instead, when no outputs are read back: applied with each particle's latency.
-  void commandedPulse(double time, const common::Pulse& pulse);
-
   /// Specific force of the centre along the thrust axis [m/s2]; moves the particles to `time` and weighs them.
-  /// NaN is ignored.
+  /// NaN and times before the last reading are ignored. After more than `longest_gap` it begins anew.
   void accelerometer(double time, double specific_force);
 
-  /// Moves the particles on without a measurement.
-  void predictTo(double time);
-
   ModeEstimate estimate() const;
+  const EstimatorSettings& settings() const;
 
  private:
   struct Impl;

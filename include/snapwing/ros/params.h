@@ -60,4 +60,8 @@ class Params {
   std::string summary_;
 };
 
+/// What stands before the names of a vehicle's tf frames, so that those of two vehicles differ: key `frame_prefix`,
+/// auto (the namespace, also if the key is missing), none, or a name. @return with a slash at its end, or empty
+std::string framePrefix(Params& params, const std::string& name_space);
+
 }  // namespace snapwing::nodes

@@ -23,6 +23,7 @@ constexpr char SWITCH_MODE[] = "switch_mode";                        ///< action
 constexpr char ARM[] = "arm";                ///< service snapwing/Arm: arm or disarm by the radio link
 constexpr char RESET_LINK[] = "reset_link";  ///< service snapwing/ResetLink: clears a latched bridge fault
 constexpr char RING_HELD[] = "ring_held";    ///< service std_srvs/SetBool: the operator sees the ring held still
+constexpr char STATE_MODE[] = "state_mode";  ///< service snapwing/StateMode: the operator sees the mode
 constexpr char HOLD[] = "hold";              ///< service std_srvs/SetBool: a hand brakes the boom, simulation only
 
 }  // namespace snapwing::nodes::topics

@@ -9,6 +9,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,8 @@ struct PictureState {
   double travel = 0;                          ///< u [m]
   common::Mode mode = common::Mode::UNKNOWN;  ///< colours the label
   std::string label;                          ///< text over the vehicle
+  double alpha = 1;                           ///< [0, 1] of everything, less where the mode is not known
+  double ghost_travel = NAN;                  ///< u [m] of a second picture beside it, faint; NaN = none
   std::vector<double> thrust;                 ///< share of full thrust [0, 1] of each rotor; may be empty
   ros::Time stamp;
 };
@@ -63,6 +66,9 @@ class VehiclePicture {
   void drawFrame(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawRotors(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawArms(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  void drawMoving(visualization_msgs::MarkerArray& out, const PictureState& state) const;
+  /// Arms, wings and housing at the ghost's travel, under names of their own that go out by themselves.
+  void drawGhost(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   void drawLabel(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   geometry_msgs::Point place(double azimuth, double x, double y, double across) const;
 

@@ -10,15 +10,19 @@
 #include <snapwing/VehicleTruth.h>
 #include <std_srvs/SetBool.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <random>
 #include <thread>
 
 #include "snapwing/common/table_origin.h"
+#include "snapwing/common/time_watch.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/rom/trial.h"
+#include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/motor_receiver.h"
 #include "snapwing/ros/node_main.h"
@@ -28,6 +32,9 @@
 namespace snapwing::nodes {
 
 namespace {
+
+constexpr double DRIFT =
+    0.2;  // [s] between real time and ROS time (at a rate of its own), after which stamps follow it
 
 struct SimulationSettings {
   std::uint64_t seed = 0;
@@ -48,7 +55,7 @@ dynamics::PlantMount plantMount(rom::Mount mount) {
   return mount == rom::Mount::BOOM ? dynamics::PlantMount::BOOM : dynamics::PlantMount::HELD;
 }
 
-SimulationSettings readSettings(Params& params, const common::Vehicle& vehicle) {
+SimulationSettings readSettings(Params& params, const common::Vehicle& vehicle, const std::string& name_space) {
   SimulationSettings s;
   s.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
   s.nominal = params.boolean("nominal");
@@ -63,7 +70,7 @@ SimulationSettings readSettings(Params& params, const common::Vehicle& vehicle) 
   s.truth_period = 1 / params.number("truth_rate", {1.0, 1000.0}, "Hz");
   s.imu_noise = params.number("imu_noise", {0.0, 10.0}, "m/s2");
   s.imu_bias = params.number("imu_bias", {0.0, 2.0}, "m/s2");
-  s.imu_frame = params.text("imu_frame");
+  s.imu_frame = framePrefix(params, name_space) + params.text("imu_frame");
   return s;
 }
 
@@ -81,7 +88,7 @@ class SimulatedVehicleNode {
  private:
   SimulatedVehicleNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
-        settings_(readSettings(params, vehicle_)),
+        settings_(readSettings(params, vehicle_, handles.relative.getNamespace())),
         plant_(makePlant()),
         receiver_(settings_.motor_port, settings_.motor_timeout),
         random_(settings_.seed + 1) {
@@ -115,12 +122,12 @@ class SimulatedVehicleNode {
   void run() {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point start = Clock::now();
-    start_stamp_ = ros::Time::now();
     double next_imu = settings_.imu_period, next_truth = settings_.truth_period;
     for (auto wake = start; !stop_ && ros::ok(); wake += std::chrono::milliseconds(1)) {
       std::this_thread::sleep_until(wake);
       const double now = std::chrono::duration<double>(Clock::now() - start).count();
       const std::lock_guard<std::mutex> lock(mutex_);
+      lookAtClock(now);
       outputs_ = receiver_.outputs();
       while (std::min(next_imu, next_truth) <= now) {
         const bool imu_first = next_imu <= next_truth;
@@ -133,9 +140,21 @@ class SimulatedVehicleNode {
     }
   }
 
-  ros::Time stampAt(double time) const { return start_stamp_ + ros::Duration(time); }
+  /// Stamps count in real time from where ROS time stood at the start or at its last jump: a clock of 10 Hz repeats
+  /// none.
+  void lookAtClock(double time) {
+    const Clocks clocks = Clocks::read();
+    const common::ClockEvent event = clock_.look(clocks.now, clocks.steady);
+    if (event == common::ClockEvent::MISSING) return;
+    const double drift = clocks.now - (offset_ + time);
+    if (!stamped_ || event != common::ClockEvent::ON || std::abs(drift) > DRIFT) offset_ = clocks.now - time;
+    stamped_ = true;
+  }
+
+  ros::Time stampAt(double time) const { return ros::Time(std::max(0.0, offset_ + time)); }
 
   void publishImu(double time) {
+    if (!stamped_) return;  // no message without a stamp
     sensor_msgs::Imu message;
     message.header.stamp = stampAt(time);
     message.header.frame_id = settings_.imu_frame;
@@ -147,6 +166,7 @@ class SimulatedVehicleNode {
   }
 
   void publishTruth(double time) {
+    if (!stamped_) return;
     VehicleTruth message;
     const dynamics::PlantState& state = plant_.state();
     message.header.stamp = stampAt(time);
@@ -170,7 +190,9 @@ class SimulatedVehicleNode {
   std::normal_distribution<double> normal_;
   double bias_ = 0;
   link::MotorOutputs outputs_{};
-  ros::Time start_stamp_;
+  common::ClockWatch clock_;
+  bool stamped_ = false;  ///< there is a clock
+  double offset_ = 0;     ///< [s] ROS time - time of the simulation
   ros::Publisher imu_;
   ros::Publisher truth_;
   ros::ServiceServer hold_;

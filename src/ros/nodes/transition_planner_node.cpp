@@ -1,6 +1,6 @@
-/// transition_planner_node: action switch_mode. Plans a pulse in a thread of its own, publishes the plan, checks that
-/// link and mode are ready, commands the pulse once, and waits until the estimated mode tells how it ended. Safety does
-/// not rest on it: the radio bridge ends every pulse by its own clock.
+/// transition_planner_node: action switch_mode. Plans a pulse in a thread of its own, publishes the plan, and carries
+/// the messages of planning/switch_protocol.h, which decides what a switch does. Safety does not rest on it: the radio
+/// bridge ends every pulse by its own clock.
 
 #include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -14,14 +14,16 @@
 #include <snapwing/SwitchModeAction.h>
 
 #include <algorithm>
-#include <cmath>
 #include <future>
 #include <limits>
 #include <map>
 #include <mutex>
 
 #include "snapwing/common/table_origin.h"
+#include "snapwing/common/time_watch.h"
 #include "snapwing/planning/pulse_planner.h"
+#include "snapwing/planning/switch_protocol.h"
+#include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/planning_conversions.h"
@@ -32,23 +34,16 @@ namespace snapwing::nodes {
 
 namespace {
 
-struct SwitchSettings {
-  double fresh = 0;           ///< [s] link status and mode estimate older than this count as lost
-  double accept_timeout = 0;  ///< [s] the bridge must have taken the pulse within this time
-  double settle_timeout = 0;  ///< [s] after the pulse's end
-  double settle_hold = 0;     ///< [s] the estimate must stay in one mode for this long
-  std::string key_file;       ///< of the link; empty = plans only
-  std::string vehicle_id;
-};
+constexpr double SEAL_PERIOD = 0.06;  // [s] between two seals of a pulse that nobody has taken yet
 
-SwitchSettings readSwitch(Params& params) {
-  SwitchSettings s;
+planning::SwitchSettings readSwitch(Params& params) {
+  planning::SwitchSettings s;
   s.fresh = params.number("fresh", {0.05, 5.0}, "s");
-  s.accept_timeout = params.number("accept_timeout", {0.05, 5.0}, "s");
+  s.accept_timeout = params.number("accept_timeout", {0.3, 5.0}, "s");
   s.settle_timeout = params.number("settle_timeout", {0.1, 30.0}, "s");
   s.settle_hold = params.number("settle_hold", {0.0, 5.0}, "s");
-  s.key_file = params.textOr("key_file", "");
-  s.vehicle_id = params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID);
+  s.attempts = params.integer("attempts", 1, 5);
+  s.validate();
   return s;
 }
 
@@ -66,6 +61,40 @@ planning::PlannerSettings readPlanner(Params& params) {
   s.threads = params.integer("threads", 1, 64);
   s.validate();
   return s;
+}
+
+planning::SwitchView::Bridge bridgeOf(const LinkStatus& link) {
+  using Bridge = planning::SwitchView::Bridge;
+  switch (link.bridge_state) {
+    case LinkStatus::BRIDGE_IDLE:
+      return Bridge::IDLE;
+    case LinkStatus::BRIDGE_ARMED:
+      return Bridge::ARMED;
+    case LinkStatus::BRIDGE_PULSE:
+      return Bridge::PULSE;
+    case LinkStatus::BRIDGE_FAULT:
+      return Bridge::FAULT;
+    default:
+      return Bridge::UNKNOWN;
+  }
+}
+
+std::uint8_t codeOf(planning::SwitchOutcome outcome) {
+  using Outcome = planning::SwitchOutcome;
+  switch (outcome) {
+    case Outcome::SUCCEEDED:
+      return SwitchModeResult::SUCCEEDED;
+    case Outcome::LINK_LOST:
+      return SwitchModeResult::LINK_LOST;
+    case Outcome::WRONG_MODE:
+      return SwitchModeResult::WRONG_MODE;
+    case Outcome::NOT_SETTLED:
+      return SwitchModeResult::NOT_SETTLED;
+    case Outcome::PREEMPTED:
+      return SwitchModeResult::PREEMPTED;
+    default:
+      return SwitchModeResult::NOT_READY;
+  }
 }
 
 }  // namespace
@@ -88,6 +117,8 @@ class TransitionPlannerNode {
       : vehicle_(params.vehicle()),
         trial_(readTrial(params, vehicle_)),
         settings_(readSwitch(params)),
+        key_file_(params.textOr("key_file", "")),
+        vehicle_id_(params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID)),
         planner_(makePlanner(params)),
         server_(
             handles.relative, topics::SWITCH_MODE, [this](const SwitchModeGoalConstPtr& goal) { onGoal(*goal); },
@@ -105,46 +136,71 @@ class TransitionPlannerNode {
   }
 
   void onLink(const LinkStatus& message) {
+    const Clocks clocks = Clocks::read();
     const std::lock_guard<std::mutex> lock(mutex_);
-    link_ = message;
-    link_time_ = ros::Time::now();
+    lookAtClock(clocks);
+    const double stamp = message.header.stamp.toSec();
+    if (link_watch_.take(stamp, clocks.now, clocks.steady) == common::StampVerdict::GOOD) link_ = message;
   }
 
   void onMode(const ModeState& message) {
+    const Clocks clocks = Clocks::read();
     const std::lock_guard<std::mutex> lock(mutex_);
-    mode_ = message;
-    mode_time_ = ros::Time::now();
+    lookAtClock(clocks);
+    const double stamp = message.header.stamp.toSec();
+    if (mode_watch_.take(stamp, clocks.now, clocks.steady) == common::StampVerdict::GOOD) mode_ = message;
   }
 
-  LinkStatus link() const {
+  /// After a jump of the clock nothing that came before counts. With the mutex held.
+  void lookAtClock(const Clocks& clocks) {
+    const common::ClockEvent event = clock_.look(clocks.now, clocks.steady);
+    if (event != common::ClockEvent::BACK && event != common::ClockEvent::AHEAD) return;
+    link_watch_.restart();
+    mode_watch_.restart();
+  }
+
+  /// What is known now.
+  planning::SwitchView view() {
+    const bool stop = preempted();
+    const Clocks clocks = Clocks::read();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lookAtClock(clocks);
+    const double fresh = settings_.fresh;
+    planning::SwitchView view;
+    view.now = clocks.steady;
+    view.stop_asked = stop;
+    view.link_age = link_watch_.age(clocks.now, clocks.steady);
+    view.link_trouble = link_watch_.trouble(clocks.now, clocks.steady, fresh);
+    view.bridge = bridgeOf(link_);
+    view.bridge_fault = link_.bridge_fault;
+    view.controller_connected = link_.controller_connected;
+    view.controller_armed = link_.controller_armed;
+    view.controller_failsafe = link_.controller_failsafe;
+    view.pulse_id = link_.pulse_id;
+    view.refused = link_.commands_refused;
+    view.last_refusal = link_.last_refusal;
+    view.mode_age = mode_watch_.age(clocks.now, clocks.steady);
+    view.mode_trouble = mode_watch_.trouble(clocks.now, clocks.steady, fresh);
+    view.mode = modeFromMessage(mode_.mode);
+    view.mode_reason = mode_.reason;
+    view.reading_age = mode_.reading_age + view.mode_age;
+    return view;
+  }
+
+  LinkStatus newestLink() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return link_;
   }
 
   /// Estimated mode; UNKNOWN if the estimate is old.
-  common::Mode mode() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const bool old = mode_time_.isZero() || ros::Time::now() - mode_time_ > ros::Duration(settings_.fresh);
-    return old ? common::Mode::UNKNOWN : modeFromMessage(mode_.mode);
+  common::Mode mode() {
+    const planning::SwitchView now = view();
+    return now.mode_age <= settings_.fresh ? now.mode : common::Mode::UNKNOWN;
   }
 
   double probability(common::Mode mode) const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return mode == common::Mode::FIXED_WING ? mode_.probability_fixed_wing : mode_.probability_quadrotor;
-  }
-
-  /// Why the link cannot carry a pulse now; empty if it can.
-  std::string linkTrouble() const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (link_time_.isZero()) return "no link status was ever received";
-    if (ros::Time::now() - link_time_ > ros::Duration(settings_.fresh))
-      return "the link status stopped: is the radio bridge running?";
-    if (link_.bridge_state == LinkStatus::BRIDGE_FAULT)
-      return "the radio bridge latched a fault: " + link_.bridge_fault;
-    if (!link_.controller_connected) return "the flight controller does not answer";
-    if (link_.controller_failsafe) return "the flight controller is in failsafe";
-    if (!link_.controller_armed) return "the flight controller is not armed";
-    return "";
   }
 
   void onGoal(const SwitchModeGoal& goal) {
@@ -183,31 +239,37 @@ class TransitionPlannerNode {
       finish(result, Result::NOT_READY, "the target mode must be 1 (fixed wing) or 2 (quadrotor)");
       return;
     }
-    const common::Mode start = common::otherMode(target);
-    if (!plan(start, target, result)) return;
+    if (!goal.plan_only) {  // a switch that cannot begin is refused at once, not after the planning
+      auto missing = planning::SwitchProtocol::missing(settings_, view(), target);
+      if (key_file_.empty()) missing.push_back("a key_file: pulses cannot be sealed, this node plans only");
+      if (missing.empty()) key_ = link::loadKeyFile(key_file_);
+      if (!missing.empty()) {
+        finish(result, Result::NOT_READY, planning::SwitchProtocol::missingText(missing));
+        return;
+      }
+    }
+    if (!plan(common::otherMode(target), target, result)) return;
     if (goal.plan_only) {
       finish(result, Result::SUCCEEDED, "planned only");
       return;
     }
-    if (!ready(start, result)) return;
-    const ros::Time commanded = ros::Time::now();
-    if (!sendPulse(commanded, target, result)) return;
-    settle(commanded, target, result);
+    carryOut(target, result);
   }
 
   bool preempted() { return server_.isPreemptRequested() || !ros::ok(); }
 
-  void report(std::uint8_t stage, const ros::Time& since, common::Mode target) {
+  void report(std::uint8_t stage, double since, common::Mode target) {
     Feedback feedback;
     feedback.stage = stage;
-    feedback.elapsed = (ros::Time::now() - since).toSec();
+    feedback.elapsed = Clocks::read().steady - since;
     feedback.probability_target = probability(target);
     server_.publishFeedback(feedback);
   }
 
-  /// An accepted plan for the same question is taken from memory: planning is deterministic.
+  /// An accepted plan for the same question is taken from memory: planning is deterministic. Reports ten times a second
+  /// while it computes, however long that takes.
   bool plan(common::Mode start, common::Mode target, Result& result) {
-    const ros::Time since = ros::Time::now();
+    const double since = Clocks::read().steady;
     if (!plans_.count(target)) {
       std::future<planning::TransitionPlan> answer = std::async(
           std::launch::async, [&] { return planner_.plan(start, target, trial_, [this] { return preempted(); }); });
@@ -215,7 +277,7 @@ class TransitionPlannerNode {
         report(Feedback::PLANNING, since, target);
       }
       planning::TransitionPlan found = answer.get();
-      found.compute_seconds = (ros::Time::now() - since).toSec();
+      found.compute_seconds = Clocks::read().steady - since;
       if (preempted()) return finish(result, Result::PREEMPTED, "preempted while planning");
       result.plan = toMessage(found);
       if (found.accepted) plans_[target] = result.plan;
@@ -227,96 +289,47 @@ class TransitionPlannerNode {
     return result.plan.accepted || finish(result, Result::REFUSED, "no safe pulse: " + result.plan.reason);
   }
 
+  /// A seal holds for a tenth of a second only: on a busy machine the first may come too late. So a pulse that nobody
+  /// has taken is sealed and sent again, under its id, which the link takes only once.
   void seal(PulseCommand& command) {
-    const LinkStatus heard = link();
-    const link::CommandSealer sealer(key_, settings_.vehicle_id);
+    const LinkStatus heard = newestLink();
+    const link::CommandSealer sealer(key_, vehicle_id_);
     command.seal = toMessage(sealer.seal(link::pulseContent(command.id, command.pulse.throttle, command.pulse.duration,
                                                             command.mixed != 0, command.pitch),
                                          heard.session, heard.number));
   }
 
-  bool ready(common::Mode start, Result& result) {
-    if (settings_.key_file.empty()) {
-      return finish(result, Result::NOT_READY, "no key_file is given: pulses cannot be sealed, this node plans only");
-    }
-    key_ = link::loadKeyFile(settings_.key_file);
-    const std::string trouble = linkTrouble();
-    if (!trouble.empty()) return finish(result, Result::NOT_READY, trouble);
-    if (link().bridge_state != LinkStatus::BRIDGE_ARMED) {
-      return finish(result, Result::NOT_READY, "the radio bridge is not ready for a pulse");
-    }
-    const common::Mode now = mode();
-    if (now == start) return true;
-    return finish(result, Result::NOT_READY,
-                  now == common::Mode::UNKNOWN ? "the mode is not known" : "the vehicle is already in the target mode");
-  }
-
-  /// Commands the pulse and watches the link until its end.
-  bool sendPulse(const ros::Time& commanded, common::Mode target, Result& result) {
-    PulseCommand command;
-    command.header.stamp = commanded;
+  /// Does what the protocol says, fifty times a second.
+  void carryOut(common::Mode target, Result& result) {
     // Ids go on counting up over restarts of this node.
-    last_id_ = std::max(last_id_ + 1, commanded.sec);
-    command.id = last_id_;
-    command.pulse = result.plan.pulse;
-    const LinkStatus before = link();
-    ros::WallTime next_publication;
-    ros::Rate rate(50);
-    for (bool accepted = false;; rate.sleep()) {
-      // A seal holds for a tenth of a second only: on a busy machine the first may come too late. The link takes an id
-      // only once.
-      if (!accepted && ros::WallTime::now() >= next_publication) {
-        seal(command);
-        pulse_publisher_.publish(command);
-        next_publication = ros::WallTime::now() + ros::WallDuration(0.06);
+    const std::uint32_t first_id = std::max(last_id_ + 1, ros::Time::now().sec);
+    planning::SwitchProtocol protocol(settings_, target, result.plan.pulse.duration, first_id);
+    const double since = Clocks::read().steady;
+    double sent = since;
+    for (ros::WallRate rate(50);; rate.sleep()) {
+      const planning::SwitchAction action = protocol.step(view());
+      last_id_ = protocol.id();
+      if (action == planning::SwitchAction::FINISH) break;
+      const double now = Clocks::read().steady;
+      const bool again = protocol.state() == planning::SwitchState::SENT && now - sent >= SEAL_PERIOD;
+      if (action == planning::SwitchAction::SEND || again) {
+        sendPulse(protocol.id(), result.plan.pulse);
+        sent = now;
       }
-      const double elapsed = (ros::Time::now() - commanded).toSec();
-      const std::string trouble = linkTrouble();
-      if (!trouble.empty()) return finish(result, Result::LINK_LOST, trouble);
-      if (preempted()) return finish(result, Result::PREEMPTED, "preempted while the pulse ran; the bridge ends it");
-      const LinkStatus now = link();
-      accepted = accepted || now.pulse_id == command.id;
-      if (!accepted && now.commands_refused > before.commands_refused) {
-        return finish(result, Result::NOT_READY, "the link refused the pulse: " + now.last_refusal);
-      }
-      if (!accepted && elapsed > settings_.accept_timeout) {
-        return finish(result, Result::LINK_LOST, "the radio bridge did not take the pulse");
-      }
-      if (accepted && elapsed > command.pulse.duration && now.bridge_state != LinkStatus::BRIDGE_PULSE) return true;
-      report(Feedback::PULSE, commanded, target);
+      const bool settling = protocol.state() == planning::SwitchState::SETTLING;
+      report(settling ? Feedback::SETTLING : Feedback::PULSE, since, target);
     }
+    result.switch_seconds = protocol.switchSeconds();
+    finish(result, codeOf(protocol.outcome()), protocol.message());
   }
 
-  /// Waits until the estimate has stayed in one mode for settle_hold; a stay in the mode left behind counts only at the
-  /// end of the time, since the vehicle may still be on its way.
-  void settle(const ros::Time& commanded, common::Mode target, Result& result) {
-    const ros::Time since = ros::Time::now();
-    ros::Rate rate(50);
-    ros::Time reached;
-    while ((ros::Time::now() - since).toSec() < settings_.settle_timeout) {
-      if (preempted()) {
-        finish(result, Result::PREEMPTED, "preempted while settling");
-        return;
-      }
-      const std::string trouble = linkTrouble();
-      if (!trouble.empty()) {
-        finish(result, Result::LINK_LOST, trouble);
-        return;
-      }
-      const bool there = mode() == target;
-      if (there && reached.isZero()) reached = ros::Time::now();
-      if (!there) reached = ros::Time();
-      if (there && (ros::Time::now() - reached).toSec() >= settings_.settle_hold) {
-        result.switch_seconds = (reached - commanded).toSec();
-        finish(result, Result::SUCCEEDED, "switched");
-        return;
-      }
-      report(Feedback::SETTLING, commanded, target);
-      rate.sleep();
-    }
-    const bool other = mode() == common::otherMode(target);
-    finish(result, other ? Result::WRONG_MODE : Result::NOT_SETTLED,
-           other ? "the vehicle settled in the mode that it started from" : "the mode did not become known in time");
+  void sendPulse(std::uint32_t id, const ThrustPulse& pulse) {
+    PulseCommand command;
+    command.header.stamp = ros::Time::now();
+    command.id = id;
+    command.pulse = pulse;
+    seal(command);
+    pulse_publisher_.publish(command);
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -336,7 +349,9 @@ class TransitionPlannerNode {
 
   common::Vehicle vehicle_;
   rom::Trial trial_;
-  SwitchSettings settings_;
+  planning::SwitchSettings settings_;
+  std::string key_file_;  ///< of the link; empty = plans only
+  std::string vehicle_id_;
   planning::PulsePlanner planner_;
   std::map<common::Mode, TransitionPlan> plans_;  ///< accepted ones, by target
   std::uint32_t last_id_ = 0;
@@ -344,7 +359,8 @@ class TransitionPlannerNode {
   mutable std::mutex mutex_;  ///< guards what follows
   LinkStatus link_;
   ModeState mode_;
-  ros::Time link_time_, mode_time_;
+  common::ClockWatch clock_;
+  common::StampWatch link_watch_, mode_watch_;
   Result last_result_;
   unsigned switches_ = 0;
   ros::Publisher plan_publisher_, pulse_publisher_;

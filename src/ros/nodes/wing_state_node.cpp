@@ -6,23 +6,24 @@
 #include <ros/publisher.h>
 #include <ros/service_server.h>
 #include <ros/subscriber.h>
-#include <ros/timer.h>
+#include <ros/wall_timer.h>
 #include <sensor_msgs/Imu.h>
 #include <snapwing/LinkStatus.h>
 #include <snapwing/ModeState.h>
+#include <snapwing/StateMode.h>
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/table_origin.h"
 #include "snapwing/common/wing_table.h"
-#include "snapwing/planning/mode_estimator.h"
+#include "snapwing/planning/mode_observer.h"
+#include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
@@ -35,10 +36,8 @@ namespace {
 
 struct WingStateSettings {
   planning::EstimatorSettings estimator;
-  common::Mode initial_mode = common::Mode::UNKNOWN;
+  planning::ObserverSettings observer;
   bool read_back = false;     ///< motor outputs as read back; else computed from the frames sent
-  double input_delay = 0;     ///< [s] inputs are put in order of their stamps within this time
-  double link_timeout = 0;    ///< [s] without link status the motors count as stopped
   double state_rate = 0;      ///< [Hz]
   double marker_rate = 0;     ///< [Hz]
   double display_height = 0;  ///< [m] of base_link over map
@@ -46,7 +45,7 @@ struct WingStateSettings {
   PictureSettings picture;
 };
 
-WingStateSettings readSettings(Params& params, const common::Vehicle& vehicle) {
+WingStateSettings readSettings(Params& params, const common::Vehicle& vehicle, const std::string& name_space) {
   WingStateSettings s;
   s.estimator.particles = params.integer("particles", 10, 20000);
   s.estimator.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
@@ -63,25 +62,23 @@ WingStateSettings readSettings(Params& params, const common::Vehicle& vehicle) {
   s.estimator.mount = rom::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
   s.estimator.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.estimator.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
+  s.estimator.longest_gap = params.number("longest_gap", {0.1, 10.0}, "s");
+  s.estimator.validate();
   const std::string initial = params.choice("initial_mode", {"F", "Q", "unknown"});
-  s.initial_mode = initial == "unknown" ? common::Mode::UNKNOWN : common::modeFromName(initial);
+  s.observer.stated = initial == "unknown" ? common::Mode::UNKNOWN : common::modeFromName(initial);
+  s.observer.input_delay = params.number("input_delay", {0.0, 0.5}, "s");
+  s.observer.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
+  s.observer.silence = params.number("silence", {0.05, 1.0}, "s");
   s.read_back = params.choice("motor_source", {"frames", "read_back"}) == "read_back";
-  s.input_delay = params.number("input_delay", {0.0, 0.5}, "s");
-  s.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
   s.state_rate = params.number("state_rate", {1.0, 200.0}, "Hz");
   s.marker_rate = params.number("marker_rate", {1.0, 60.0}, "Hz");
   s.display_height = params.number("display_height", {-100.0, 100.0}, "m");
   s.map_frame = params.text("map_frame");
-  s.picture.ring_frame = params.text("ring_frame");
-  s.picture.housing_frame = params.text("housing_frame");
+  const std::string prefix = framePrefix(params, name_space);
+  s.picture.ring_frame = prefix + params.text("ring_frame");
+  s.picture.housing_frame = prefix + params.text("housing_frame");
   return s;
 }
-
-/// One reading for the estimator.
-struct Input {
-  bool motors;   ///< else accelerometer
-  double value;  ///< [1] mean motor output, or [m/s2]
-};
 
 }  // namespace
 
@@ -92,40 +89,47 @@ class WingStateNode {
  private:
   WingStateNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
-        settings_(readSettings(params, vehicle_)),
+        settings_(readSettings(params, vehicle_, handles.relative.getNamespace())),
         table_(common::armTableOf(vehicle_)),
         wing_(common::wingTableOf(vehicle_, table_)),
-        estimator_(vehicle_, table_, settings_.estimator, wing_),
+        observer_(planning::ModeEstimator(vehicle_, table_, settings_.estimator, wing_), observerSettings()),
         picture_(vehicle_, table_, settings_.picture) {
     params.finish();
     useWing();
     ros::NodeHandle& nh = handles.relative;
     state_publisher_ = nh.advertise<ModeState>(topics::MODE_STATE, 50);
     marker_publisher_ = nh.advertise<visualization_msgs::MarkerArray>(topics::MARKERS, 5);
-    imu_ = nh.subscribe(topics::IMU, 200, &WingStateNode::onImu, this);
+    imu_ = nh.subscribe(topics::IMU, 1000, &WingStateNode::onImu, this);
     link_ = nh.subscribe(topics::LINK_STATUS, 50, &WingStateNode::onLink, this);
     ring_held_ = nh.advertiseService(topics::RING_HELD, &WingStateNode::onRingHeld, this);
-    start_ = ros::Time::now();
-    estimator_.reset(0, settings_.initial_mode);
-    state_timer_ = nh.createTimer(ros::Duration(1 / settings_.state_rate), &WingStateNode::publishState, this);
-    marker_timer_ = nh.createTimer(ros::Duration(1 / settings_.marker_rate), &WingStateNode::publishMarkers, this);
+    state_mode_ = nh.advertiseService(topics::STATE_MODE, &WingStateNode::onStateMode, this);
+    // Timers of the steady clock: they go on when ROS time stands, jumps or is not there yet.
+    state_timer_ = nh.createWallTimer(ros::WallDuration(1 / settings_.state_rate),
+                                      [this](const ros::WallTimerEvent&) { publishState(); });
+    marker_timer_ = nh.createWallTimer(ros::WallDuration(1 / settings_.marker_rate),
+                                       [this](const ros::WallTimerEvent&) { publishMarkers(); });
     diagnostics_.setHardwareID(vehicle_.name);
     diagnostics_.add("mode estimate", this, &WingStateNode::diagnose);
-    diagnostic_timer_ = nh.createTimer(ros::Duration(0.5), [this](const ros::TimerEvent&) { diagnostics_.update(); });
+    diagnostic_timer_ =
+        nh.createWallTimer(ros::WallDuration(0.5), [this](const ros::WallTimerEvent&) { diagnostics_.update(); });
   }
 
-  double seconds(const ros::Time& stamp) const { return (stamp - start_).toSec(); }
+  planning::ObserverSettings observerSettings() const {
+    planning::ObserverSettings settings = settings_.observer;
+    settings.idle_output = std::min(1.0, common::motorOutput(vehicle_.radio, 0.0) + 0.02);
+    return settings;
+  }
 
   void onImu(const sensor_msgs::Imu& message) {
-    last_imu_ = ros::Time::now();
-    inputs_.emplace(seconds(message.header.stamp), Input{false, message.linear_acceleration.z});
+    const Clocks clocks = Clocks::read();
+    observer_.reading(message.header.stamp.toSec(), message.linear_acceleration.z, clocks.now, clocks.steady);
   }
 
   void onLink(const LinkStatus& message) {
+    const Clocks clocks = Clocks::read();
     link_status_ = message;
-    last_link_ = ros::Time::now();
     const double delay = settings_.read_back ? 0 : vehicle_.radio.latency.value;
-    inputs_.emplace(seconds(message.header.stamp) + delay, Input{true, motorOutput(message)});
+    observer_.motors(message.header.stamp.toSec(), motorOutput(message), delay, clocks.now, clocks.steady);
   }
 
   /// Mean motor output. A flight controller that is not armed, or in failsafe, turns nothing.
@@ -145,41 +149,41 @@ class WingStateNode {
 
   /// The operator tells that the ring is held and stands still, or is let go: until then the estimate's speed is 0.
   bool onRingHeld(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
-    held_ = request.data;
+    observer_.holdRing(request.data);
     response.success = true;
     return true;
   }
 
-  /// Gives the estimator everything stamped before `time`, in order.
-  void feed(double time) {
-    while (!inputs_.empty() && inputs_.begin()->first <= time) {
-      const auto [when, input] = *inputs_.begin();
-      inputs_.erase(inputs_.begin());
-      input.motors ? estimator_.motorOutput(when, input.value) : estimator_.accelerometer(when, input.value);
+  /// The operator sees the mode: after a silence or a jump of the clock nothing else may show it.
+  bool onStateMode(StateMode::Request& request, StateMode::Response& response) {
+    response.success = request.mode <= StateMode::Request::QUADROTOR;
+    if (response.success) {
+      observer_.state(modeFromMessage(request.mode));
+    } else {
+      response.message = "mode is " + std::to_string(request.mode) + "; allowed: 0 (unknown), 1 (F), 2 (Q)";
     }
+    return true;
   }
 
-  void publishState(const ros::TimerEvent&) {
-    const ros::Time stamp = ros::Time::now() - ros::Duration(settings_.input_delay);
-    // A flight controller that hears nothing stops the motors: its failsafe.
-    if (!last_link_.isZero() && stamp - last_link_ > ros::Duration(settings_.link_timeout)) {
-      inputs_.emplace(seconds(stamp), Input{true, 0.0});
-    }
-    feed(seconds(stamp));
-    estimator_.predictTo(seconds(stamp));
-    if (held_) estimator_.atRest(seconds(stamp));
-    estimate_ = estimator_.estimate();
+  void publishState() {
+    const Clocks clocks = Clocks::read();
+    report_ = observer_.update(clocks.now, clocks.steady);
+    if (!report_.fresh) return;  // no stamp is used twice, whatever the clock's rate
+    const planning::ModeEstimate& estimate = report_.estimate;
+    shown_ = planning::shownMode(shown_, estimate);
     ModeState message;
-    message.header.stamp = stamp;
+    message.header.stamp = ros::Time(report_.stamp);
     message.header.frame_id = settings_.picture.ring_frame;
-    message.mode = toMessage(estimate_.mode);
-    message.probability_fixed_wing = estimate_.probability_fixed_wing;
-    message.probability_quadrotor = estimate_.probability_quadrotor;
-    message.travel = estimate_.travel;
-    message.travel_deviation = estimate_.travel_deviation;
-    message.wing_angle = wingAngle();
+    message.mode = toMessage(estimate.mode);
+    message.reason = estimate.reason;
+    message.probability_fixed_wing = estimate.probability_fixed_wing;
+    message.probability_quadrotor = estimate.probability_quadrotor;
+    message.travel = estimate.travel;
+    message.travel_deviation = estimate.travel_deviation;
+    message.wing_angle = wingAngle(estimate.travelIn(shown_));
+    message.reading_age = report_.reading_age;
     state_publisher_.publish(message);
-    publishFrames(stamp);
+    publishFrames(message.header.stamp);
   }
 
   void useWing() {
@@ -188,10 +192,10 @@ class WingStateNode {
     picture_.useWing(*wing_);
   }
 
-  /// [rad] 0 = unfolded, positive as the wing folds: by the wing's table at the estimated travel. NaN without wings.
-  double wingAngle() const {
+  /// [rad] 0 = unfolded, positive as the wing folds: by the wing's table at a travel [m]. NaN without wings.
+  double wingAngle(double travel) const {
     if (!wing_) return std::numeric_limits<double>::quiet_NaN();
-    return std::copysign(1.0, wing_->wing_angle.back()) * wing_->at(wing_->wing_angle, estimate_.travel);
+    return std::copysign(1.0, wing_->wing_angle.back()) * wing_->at(wing_->wing_angle, travel);
   }
 
   void publishFrames(const ros::Time& stamp) {
@@ -202,17 +206,30 @@ class WingStateNode {
     housing.child_frame_id = settings_.picture.housing_frame;
     ring.transform.rotation.w = housing.transform.rotation.w = 1;
     ring.transform.translation.z = settings_.display_height;
-    housing.transform.translation.z = picture_.housingHeight(estimate_.travel);
+    housing.transform.translation.z = picture_.housingHeight(report_.estimate.travelIn(shown_));
     frames_.sendTransform({ring, housing});
   }
 
-  void publishMarkers(const ros::TimerEvent&) {
+  /// Draws the mode that is shown; while the mode is not known, faintly, and the other one beside it. A mean of two
+  /// modes is the state of no vehicle and is never drawn.
+  void publishMarkers() {
+    if (report_.stamp <= marker_stamp_) {
+      if (report_.stamp > 0 && report_.stamp > marker_stamp_ - 1.0) return;  // else the clock was set back
+    }
+    marker_stamp_ = report_.stamp;
+    if (marker_stamp_ <= 0) return;
+    const Clocks clocks = Clocks::read();
+    const planning::ModeEstimate& estimate = report_.estimate;
     PictureState state;
-    state.travel = estimate_.travel;
-    state.mode = estimate_.mode;
-    state.stamp = ros::Time::now() - ros::Duration(settings_.input_delay);
+    state.travel = estimate.travelIn(shown_);
+    state.mode = estimate.mode;
+    state.stamp = ros::Time(report_.stamp);
     state.label = label();
-    const bool fresh = !last_link_.isZero() && ros::Time::now() - last_link_ < ros::Duration(0.5);
+    if (estimate.mode == common::Mode::UNKNOWN) {
+      state.alpha = 0.5;
+      state.ghost_travel = estimate.travelIn(common::otherMode(shown_));
+    }
+    const bool fresh = observer_.links().age(clocks.now, clocks.steady) < 0.5;
     const double thrust =
         fresh ? common::thrustFraction(vehicle_.rotors.quadratic_share.value, motorOutput(link_status_)) : 0;
     state.thrust.assign(static_cast<std::size_t>(vehicle_.rotors.count), thrust);
@@ -220,13 +237,14 @@ class WingStateNode {
   }
 
   std::string label() const {
-    const double best = std::max(estimate_.probability_fixed_wing, estimate_.probability_quadrotor);
-    std::string text = estimate_.mode == common::Mode::FIXED_WING  ? "FIXED WING"
-                       : estimate_.mode == common::Mode::QUADROTOR ? "QUADROTOR"
-                                                                   : "mode not known";
+    const planning::ModeEstimate& estimate = report_.estimate;
+    const double best = std::max(estimate.probability_fixed_wing, estimate.probability_quadrotor);
+    std::string text = estimate.mode == common::Mode::FIXED_WING  ? "FIXED WING"
+                       : estimate.mode == common::Mode::QUADROTOR ? "QUADROTOR"
+                                                                  : "mode not known";
     char numbers[64];
-    std::snprintf(numbers, sizeof numbers, "  %.0f %%   u = %.0f mm", 100 * best, 1000 * estimate_.travel);
-    text += numbers;
+    std::snprintf(numbers, sizeof numbers, "  %.0f %%   u = %.0f mm", 100 * best, 1000 * estimate.travelIn(shown_));
+    text += estimate.mode == common::Mode::UNKNOWN ? "\n" + estimate.reason : numbers;
     if (link_status_.controller_failsafe)
       text += "\nFAILSAFE";
     else if (!link_status_.bridge_fault.empty())
@@ -235,42 +253,55 @@ class WingStateNode {
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    using common::StampVerdict;
     using diagnostic_msgs::DiagnosticStatus;
-    const ros::Time now = ros::Time::now();
-    if (last_imu_.isZero() || now - last_imu_ > ros::Duration(0.5)) {
-      status.summary(DiagnosticStatus::ERROR, "no IMU");
-    } else if (last_link_.isZero() || now - last_link_ > ros::Duration(0.5)) {
-      status.summary(DiagnosticStatus::WARN, "no link status: motor outputs are not known");
-    } else if (estimate_.mode == common::Mode::UNKNOWN) {
-      status.summary(DiagnosticStatus::WARN, "mode not known");
+    const Clocks clocks = Clocks::read();
+    const planning::ModeEstimate& estimate = report_.estimate;
+    const common::StampWatch &readings = observer_.readings(), &links = observer_.links();
+    const std::string imu = readings.trouble(clocks.now, clocks.steady, 0.5);
+    const std::string link = links.trouble(clocks.now, clocks.steady, 0.5);
+    if (!imu.empty()) {
+      status.summary(DiagnosticStatus::ERROR, "the IMU " + imu);
+    } else if (!link.empty()) {
+      status.summary(DiagnosticStatus::WARN, "the link status " + link + ": motor outputs are not known");
+    } else if (estimate.mode == common::Mode::UNKNOWN) {
+      status.summary(DiagnosticStatus::WARN, "mode not known: " + estimate.reason);
     } else {
-      status.summary(DiagnosticStatus::OK, "mode " + common::modeName(estimate_.mode));
+      status.summary(DiagnosticStatus::OK, "mode " + common::modeName(estimate.mode));
     }
-    status.add("probability F", estimate_.probability_fixed_wing);
-    status.add("probability Q", estimate_.probability_quadrotor);
-    status.add("travel [m]", estimate_.travel);
-    status.add("travel deviation [m]", estimate_.travel_deviation);
-    status.add("effective particles", estimate_.effective_particles);
-    status.add("inputs waiting", inputs_.size());
+    status.add("probability F", estimate.probability_fixed_wing);
+    status.add("probability Q", estimate.probability_quadrotor);
+    status.add("probability of being lost", estimate.lost);
+    status.add("travel [m]", estimate.travel);
+    status.add("travel deviation [m]", estimate.travel_deviation);
+    status.add("effective particles", estimate.effective_particles);
+    status.add("inputs waiting", observer_.waiting());
+    status.add("jumps of the clock", observer_.jumps());
+    status.add("readings used", readings.count(StampVerdict::GOOD));
+    status.add("readings stamped ahead of the clock", readings.count(StampVerdict::FUTURE));
+    status.add("readings that came too late", readings.count(StampVerdict::STALE));
+    status.add("readings that repeat a stamp or go back",
+               readings.count(StampVerdict::REPEATED) + readings.count(StampVerdict::OLDER));
+    status.add("readings without a stamp or a number",
+               readings.count(StampVerdict::UNSTAMPED) + observer_.notNumbers());
   }
 
   common::Vehicle vehicle_;
   WingStateSettings settings_;
   common::ForceTable table_;
   std::optional<common::WingTable> wing_;
-  planning::ModeEstimator estimator_;
+  planning::ModeObserver observer_;
   VehiclePicture picture_;
-  planning::ModeEstimate estimate_;
-  std::multimap<double, Input> inputs_;
+  planning::ModeReport report_;
+  common::Mode shown_ = common::Mode::FIXED_WING;  ///< in pictures and frames
+  double marker_stamp_ = 0;
   LinkStatus link_status_;
-  ros::Time start_, last_imu_, last_link_;
   ros::Publisher state_publisher_, marker_publisher_;
   ros::Subscriber imu_, link_;
-  ros::ServiceServer ring_held_;
-  bool held_ = false;
+  ros::ServiceServer ring_held_, state_mode_;
   tf2_ros::TransformBroadcaster frames_;
   diagnostic_updater::Updater diagnostics_;
-  ros::Timer state_timer_, marker_timer_, diagnostic_timer_;
+  ros::WallTimer state_timer_, marker_timer_, diagnostic_timer_;
 };
 
 }  // namespace snapwing::nodes

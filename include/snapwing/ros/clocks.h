@@ -1,0 +1,20 @@
+#pragma once
+/// The two clocks that common/time_watch.h is told, read at the same moment.
+
+#include <ros/time.h>
+
+#include <chrono>
+
+namespace snapwing::nodes {
+
+struct Clocks {
+  double now = 0;     ///< [s] ROS time, by which messages are stamped; 0 = there is none yet
+  double steady = 0;  ///< [s] goes on whatever becomes of ROS time
+
+  static Clocks read() {
+    const std::chrono::duration<double> steady = std::chrono::steady_clock::now().time_since_epoch();
+    return {ros::Time::now().toSec(), steady.count()};
+  }
+};
+
+}  // namespace snapwing::nodes

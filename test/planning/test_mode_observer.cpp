@@ -1,0 +1,227 @@
+// The mode estimate when clocks jump, readings stop, come late or never come.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/planning/mode_observer.h"
+#include "support/example_table.h"
+#include "support/paths.h"
+
+namespace snapwing::planning {
+namespace {
+
+using common::Mode;
+using common::StampVerdict;
+
+/// A node's life: readings at 200 Hz, link statuses and updates at 50 Hz, both clocks under the test's hand.
+class ObserverTest : public ::testing::Test {
+ protected:
+  ObserverTest()
+      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
+        observer_(makeEstimator(), settingsWith(Mode::FIXED_WING)) {}
+
+  ModeEstimator makeEstimator() const {
+    EstimatorSettings settings;
+    settings.particles = 200;
+    return ModeEstimator(vehicle_, snapwing::testing::exampleTable(), settings);
+  }
+  static ObserverSettings settingsWith(Mode stated) {
+    ObserverSettings settings;
+    settings.stated = stated;
+    return settings;
+  }
+
+  void run(double seconds) {
+    for (const double end = steady_ + seconds - 1e-9; steady_ < end;) {
+      steady_ += 0.005;
+      if (clock_runs_) now_ += 0.005;
+      if (imu_) observer_.reading(now_ - imu_late_, reading_, now_, steady_);
+      if (++ticks_ % 4 != 0) continue;
+      if (link_) observer_.motors(now_, output_, 0.0, now_, steady_);
+      report_ = observer_.update(now_, steady_);
+      told_ += report_.fresh;
+      sure_ += report_.estimate.mode != Mode::UNKNOWN;
+    }
+  }
+  Mode mode() const { return report_.estimate.mode; }
+  const std::string& reason() const { return report_.estimate.reason; }
+  void expectReason(const std::string& words) {
+    EXPECT_EQ(mode(), Mode::UNKNOWN);
+    EXPECT_NE(reason().find(words), std::string::npos) << reason();
+  }
+
+  common::Vehicle vehicle_;
+  ModeObserver observer_;
+  ModeReport report_;
+  double now_ = 1000.0, steady_ = 5.0, reading_ = 0.0, output_ = 0.0, imu_late_ = 0.0;
+  bool imu_ = true, link_ = true, clock_runs_ = true;
+  long ticks_ = 0, told_ = 0, sure_ = 0;
+};
+
+TEST_F(ObserverTest, CaseA_TheClockBeginsLateAndWhatWasStatedHolds) {
+  now_ = 0.0;
+  clock_runs_ = false;
+  run(2.0);
+  expectReason("there is no clock yet");
+  EXPECT_EQ(told_, 0);
+  now_ = 1.5e9;
+  clock_runs_ = true;
+  run(6.0);
+  EXPECT_EQ(mode(), Mode::FIXED_WING);
+  EXPECT_GT(report_.estimate.probability_fixed_wing, 0.95);
+  EXPECT_NEAR(report_.estimate.travel, 0.0, 1e-3);
+  EXPECT_EQ(observer_.jumps(), 0u);
+}
+
+TEST_F(ObserverTest, CaseB_AfterAJumpBackNothingIsKnownAndReadingsAreTaken) {
+  run(2.0);
+  ASSERT_EQ(mode(), Mode::FIXED_WING);
+  now_ -= 80.0;
+  sure_ = told_ = 0;
+  const unsigned long before = observer_.readings().count(StampVerdict::GOOD);
+  run(3.0);  // at rest as before: nothing shows which mode it is in
+  EXPECT_EQ(sure_, 0);
+  expectReason("jumped back");
+  EXPECT_GT(told_, 140);
+  EXPECT_GE(observer_.readings().count(StampVerdict::GOOD), before + 590);
+  EXPECT_EQ(observer_.jumps(), 1u);
+  EXPECT_LT(report_.stamp, 1000.0);
+}
+
+TEST_F(ObserverTest, CaseB_AReadingThatNoRestExplainsMakesNobodySure) {
+  run(2.0);
+  now_ -= 80.0;
+  reading_ = 8.0;
+  sure_ = 0;
+  run(8.0);
+  EXPECT_EQ(sure_, 0);
+}
+
+TEST_F(ObserverTest, CaseC_AJumpAheadTakesNoTimeAndEndsWhatWasKnown) {
+  run(2.0);
+  ASSERT_EQ(mode(), Mode::FIXED_WING);
+  now_ += 600.0;
+  sure_ = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  run(0.04);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(took.count(), 5.0);  // 300 thousand steps of 200 particles would take a minute
+  run(3.0);
+  EXPECT_EQ(sure_, 0);
+  expectReason("jumped ahead");
+}
+
+TEST_F(ObserverTest, CaseD_WithoutAnyImuNothingIsKnown) {
+  imu_ = false;
+  run(25.0);
+  EXPECT_EQ(sure_, 0);
+  EXPECT_GT(told_, 1200);
+  expectReason("the IMU never came");
+  EXPECT_EQ(report_.estimate.probability_fixed_wing, 0.5);
+  EXPECT_TRUE(std::isnan(report_.reading_age));
+}
+
+TEST_F(ObserverTest, SilenceIsUnknownAndAShortOneIsForgiven) {
+  run(1.0);
+  ASSERT_EQ(mode(), Mode::FIXED_WING);
+  imu_ = false;
+  run(0.5);
+  expectReason("the IMU stopped");
+  EXPECT_GT(report_.reading_age, 0.3);
+  imu_ = true;
+  run(0.3);
+  EXPECT_EQ(mode(), Mode::FIXED_WING);
+  EXPECT_EQ(reason(), "");
+}
+
+TEST_F(ObserverTest, ALongSilenceEndsWhatWasKnown) {
+  run(1.0);
+  imu_ = false;
+  run(2.0);
+  EXPECT_EQ(report_.estimate.probability_fixed_wing, 0.5);
+  imu_ = true;
+  run(2.0);
+  expectReason("the IMU readings stopped");
+  observer_.state(Mode::FIXED_WING);  // the operator looks
+  run(0.5);
+  EXPECT_EQ(mode(), Mode::FIXED_WING);
+}
+
+TEST_F(ObserverTest, AClockThatStandsIsASilence) {
+  run(1.0);
+  clock_runs_ = false;
+  run(1.0);
+  EXPECT_EQ(mode(), Mode::UNKNOWN);
+}
+
+TEST_F(ObserverTest, WhatWasStatedFallsWhenMotorsTurnUnseen) {
+  imu_ = false;
+  output_ = 0.8;
+  run(0.2);
+  output_ = 0.0;
+  run(1.0);
+  imu_ = true;
+  run(2.0);
+  expectReason("the motors turned while no reading came");
+}
+
+TEST_F(ObserverTest, ReadingsOfTheFutureOrThePastAndWithoutANumberAreNotUsed) {
+  imu_late_ = -3.0;
+  run(1.0);
+  expectReason("is stamped 3.0 s ahead of the clock");
+  imu_late_ = 3.0;
+  run(1.0);
+  expectReason("is stamped 3.0 s behind the clock");
+  imu_late_ = 0.0;
+  reading_ = NAN;
+  run(1.0);
+  EXPECT_EQ(mode(), Mode::UNKNOWN);
+  EXPECT_EQ(observer_.notNumbers(), 200u);
+  reading_ = 0.0;
+  run(1.0);
+  EXPECT_EQ(mode(), Mode::FIXED_WING);
+}
+
+TEST_F(ObserverTest, AClockOfTenHertzRepeatsNoStamp) {
+  double last = 0;
+  for (int i = 1; i <= 400; ++i) {
+    steady_ += 0.005;
+    now_ = 1000.0 + 0.1 * std::floor(0.005 * i / 0.1);
+    observer_.reading(now_, 0.0, now_, steady_);
+    report_ = observer_.update(now_, steady_);
+    if (!report_.fresh) continue;
+    ++told_;
+    EXPECT_GT(report_.stamp, last);
+    last = report_.stamp;
+  }
+  EXPECT_GE(told_, 19);
+  EXPECT_GE(observer_.readings().count(StampVerdict::REPEATED), 350u);
+  EXPECT_EQ(mode(), Mode::FIXED_WING);
+}
+
+TEST_F(ObserverTest, AStalledProgramTakesUpItsLateReadings) {
+  run(1.0);
+  ASSERT_EQ(mode(), Mode::FIXED_WING);
+  // A second and a half went by unseen; then all readings of it arrive at once, after the first update.
+  now_ += 1.5;
+  steady_ += 1.5;
+  report_ = observer_.update(now_, steady_);
+  EXPECT_EQ(mode(), Mode::UNKNOWN);
+  for (double back = 1.495; back >= 0; back -= 0.005) observer_.reading(now_ - back, 0.0, now_, steady_);
+  report_ = observer_.update(now_, steady_);
+  EXPECT_EQ(mode(), Mode::FIXED_WING) << reason();
+}
+
+TEST_F(ObserverTest, RefusesBadSettings) {
+  ObserverSettings settings;
+  settings.silence = 0;
+  EXPECT_THROW(ModeObserver(makeEstimator(), settings), common::Error);
+  settings = {};
+  settings.input_delay = NAN;
+  EXPECT_THROW(ModeObserver(makeEstimator(), settings), common::Error);
+}
+
+}  // namespace
+}  // namespace snapwing::planning
