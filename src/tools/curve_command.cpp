@@ -80,7 +80,8 @@ std::string armInputs(const common::Vehicle& vehicle) {
   text.precision(17);
   for (const double value :
        {a.domain_length, a.domain_height, a.leg_width, a.bar_height, a.leg_thickness, a.bar_thickness, a.pin_x, a.pin_y,
-        a.clamp_y_low, a.clamp_y_high, vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value}) {
+        a.clamp_y_low, a.clamp_y_high, vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
+        vehicle.material.mass_density.value}) {
     text << value << ";";
   }
   return text.str();

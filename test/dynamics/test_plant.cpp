@@ -18,7 +18,7 @@ class PlantTest : public ::testing::Test {
  protected:
   PlantTest()
       : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
-        table_(snapwing::testing::exampleTable()),
+        table_(snapwing::testing::exampleTableWithMass()),
         parameters_(common::realise(vehicle_, table_)) {}
   Plant plant(const PlantSettings& settings = {}) const { return Plant(vehicle_, table_, parameters_, settings); }
   static std::vector<double> all(double s) { return {s, s, s, s}; }

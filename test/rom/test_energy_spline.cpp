@@ -104,6 +104,8 @@ TEST(EnergySpline, ErrorEstimateSeesACoarseTable) {
       t.stiffness.push_back(100 * std::cos(100 * u));
       t.energy.push_back((1 - std::cos(100 * u)) / 100);
       t.rotation.push_back(0);
+      t.kinetic_mass.push_back(0);
+      t.coupled_mass.push_back(0);
       t.min_det_f.push_back(1);
       t.stable.push_back(1);
       t.iterations.push_back(0);
