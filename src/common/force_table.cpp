@@ -26,6 +26,20 @@ void checkArray(const std::vector<double>& values, const char* name, std::size_t
   }
 }
 
+/// Masses are positive, and S^2 <= m K (Cauchy and Schwarz).
+void checkInertia(const ForceTable& table) {
+  if (!(table.mass >= 0 && std::isfinite(table.mass))) {
+    throw Error("force table: 'mass' is " + std::to_string(table.mass) + "; allowed: 0 or more");
+  }
+  for (std::size_t i = 0; i < table.travel.size(); ++i) {
+    const double k = table.kinetic_mass[i], s = table.coupled_mass[i];
+    if (!(k >= 0 && s * s <= table.mass * k * (1 + 1e-9))) {
+      throw Error("force table: 'kinetic_mass' is " + std::to_string(k) + " kg at entry " + std::to_string(i) +
+                  "; allowed: at least coupled_mass^2 / mass = " + std::to_string(s * s / table.mass) + " kg");
+    }
+  }
+}
+
 /// Force of one arm between knots: cubic Hermite in travel with the table's stiffness as slope.
 class ForceInterpolant {
  public:
@@ -109,9 +123,14 @@ double largestHysteresis(const ForceTable& table) {
 void ForceTable::validate() const {
   const std::size_t n = travel.size();
   if (n < 4) throw Error("force table: " + std::to_string(n) + " points; allowed: at least 4");
-  const std::vector<std::pair<const std::vector<double>*, const char*>> arrays = {
-      {&travel, "travel"}, {&force, "force"},       {&stiffness, "stiffness"},
-      {&energy, "energy"}, {&rotation, "rotation"}, {&min_det_f, "min_det_f"}};
+  const std::vector<std::pair<const std::vector<double>*, const char*>> arrays = {{&travel, "travel"},
+                                                                                  {&force, "force"},
+                                                                                  {&stiffness, "stiffness"},
+                                                                                  {&energy, "energy"},
+                                                                                  {&rotation, "rotation"},
+                                                                                  {&min_det_f, "min_det_f"},
+                                                                                  {&kinetic_mass, "kinetic_mass"},
+                                                                                  {&coupled_mass, "coupled_mass"}};
   for (const auto& [array, name] : arrays) checkArray(*array, name, n);
   if (!force_back.empty()) checkArray(force_back, "force_back", n);
   if (stable.size() != n || iterations.size() != n)
@@ -119,6 +138,7 @@ void ForceTable::validate() const {
   for (std::size_t i = 1; i < n; ++i) {
     if (travel[i] <= travel[i - 1]) throw Error("force table: travel does not increase at entry " + std::to_string(i));
   }
+  checkInertia(*this);
   if (arm_count < 1) throw Error("force table: arm_count is " + std::to_string(arm_count) + "; allowed: at least 1");
   if (!shapes.moved.empty() && shapes.moved.size() != n) throw Error("force table: shapes do not match travel");
 }

@@ -18,7 +18,7 @@ using hdf5::writeAttribute;
 
 namespace {
 
-constexpr int FORMAT_VERSION = 1;
+constexpr int FORMAT_VERSION = 2;
 
 template <class T>
 hid_t memoryType();
@@ -125,6 +125,9 @@ void writeTable(const ForceTable& t, hid_t file, const std::string& path) {
   writeArray(file, "min_det_f", t.min_det_f, "1", path);
   writeArray(file, "stable", t.stable, "1", path);
   writeArray(file, "iterations", t.iterations, "1", path);
+  writeArray(file, "kinetic_mass", t.kinetic_mass, "kg", path);
+  writeArray(file, "coupled_mass", t.coupled_mass, "kg", path);
+  writeArray<double>(file, "mass", {t.mass}, "kg", path);
   writeArray(file, "force_back", t.force_back, "N", path);
   writeShapes(file, t.shapes, path);
   hdf5::writeProvenance(file, t.provenance, path);
@@ -141,7 +144,12 @@ ForceTable loadForceTable(const std::string& path) {
   QuietErrors quiet;
   Handle file(hdf5::openFile(path), H5Fclose, path, "open the file as HDF5");
   const auto format = readArray<int>(file, "format_version", "1", path);
-  if (format != std::vector<int>{FORMAT_VERSION}) throw FileError(path, "format_version is not 1");
+  if (format != std::vector<int>{FORMAT_VERSION}) {
+    throw FileError(path, "format_version is " + (format.empty() ? "missing" : std::to_string(format[0])) +
+                              "; allowed: " + std::to_string(FORMAT_VERSION) +
+                              ", which holds the arm's inertia; make the table anew with `snapwing curve VEHICLE.yaml "
+                              "-o TABLE.h5` (the shipped ones: scripts/make_tables)");
+  }
   ForceTable t;
   const auto arms = readArray<int>(file, "arm_count", "1", path);
   if (arms.size() != 1) throw FileError(path, "arm_count is no single number");
@@ -154,6 +162,11 @@ ForceTable loadForceTable(const std::string& path) {
   t.min_det_f = readArray<double>(file, "min_det_f", "1", path);
   t.stable = readArray<int>(file, "stable", "1", path);
   t.iterations = readArray<int>(file, "iterations", "1", path);
+  t.kinetic_mass = readArray<double>(file, "kinetic_mass", "kg", path);
+  t.coupled_mass = readArray<double>(file, "coupled_mass", "kg", path);
+  const auto mass = readArray<double>(file, "mass", "kg", path);
+  if (mass.size() != 1) throw FileError(path, "mass is no single number");
+  t.mass = mass[0];
   t.force_back = readArray<double>(file, "force_back", "N", path);
   t.shapes = readShapes(file, t.travel.size(), path);
   t.provenance = hdf5::readProvenance(file, path);

@@ -105,7 +105,14 @@ VehicleParameters realise(const Vehicle& vehicle, const ForceTable& table, const
   VehicleParameters p;
   p.centre_mass = x[CENTRE];
   p.ring_mass = x[TOTAL] - x[CENTRE];
-  if (!(p.ring_mass > 0)) throw Error("masses.centre is not below masses.total over the whole uncertainty");
+  // The arms' mass is part of the ring side's; K and S of the table say how it moves.
+  const double arms = table.arm_count * table.mass;
+  if (!(p.ring_mass > arms)) {
+    throw Error("masses.centre is " + std::to_string(p.centre_mass) + " kg of masses.total " +
+                std::to_string(x[TOTAL]) +
+                " kg at a point of the uncertainty; allowed: less by more than the arms' mass, " +
+                std::to_string(arms) + " kg");
+  }
   p.force_scale = x[SCALE];
   const double stiffness = table.arm_count * p.force_scale * secondStiffness(table);
   const double relative_mass = p.ring_mass * p.centre_mass / (p.ring_mass + p.centre_mass);

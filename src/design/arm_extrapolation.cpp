@@ -68,6 +68,9 @@ common::ForceTable extrapolatedTable(const ArmCheck& check) {
     table.stiffness = beyond(fine.stiffness, coarse.stiffness, g);
     table.energy = beyond(fine.energy, coarse.energy, g);
     table.rotation = beyond(fine.rotation, coarse.rotation, g);
+    table.kinetic_mass = beyond(fine.kinetic_mass, coarse.kinetic_mass, g);
+    table.coupled_mass = beyond(fine.coupled_mass, coarse.coupled_mass, g);
+    table.mass = fine.mass + g * (fine.mass - coarse.mass);
     const bool both = fine.force_back.size() == coarse.force_back.size();
     table.force_back = both ? beyond(fine.force_back, coarse.force_back, g) : std::vector<double>();
     for (std::size_t k = 0; k < table.travel.size(); ++k) {

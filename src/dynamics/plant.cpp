@@ -130,7 +130,7 @@ void Plant::hitStop(double limit) {
   const bool outward = (limit == travel_max_) == (state_.travelRate() > 0);
   const double kept = outward ? -settings_.stop_restitution : 1.0;
   // The blow keeps the common momentum, m_r z_r' + m_c z_c' + S u'; a fixed ring takes it all.
-  const double lag = parameters_.centre_mass - wingsAt(limit).coupled;
+  const double lag = parameters_.centre_mass - movedAt(limit).coupled;
   const double share_ring = ringFixed() ? 0.0 : lag / (ring_mass_ + parameters_.centre_mass);
   const double rate_change = (kept - 1.0) * state_.travelRate();
   const double travel_change = limit - state_.travel();

@@ -1,7 +1,6 @@
 // What acts on the plant's two bodies: arms, rotors, drag, hand, wings.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "snapwing/common/pulse.h"
@@ -49,22 +48,29 @@ std::pair<double, double> smooth(const std::vector<double>& x, const std::vector
 
 }  // namespace
 
-Plant::Wings Plant::wingsAt(double travel) const {
-  Wings w;
-  if (!wing_) return w;
-  const std::vector<double>& knots = wing_->travel;
-  const double inside = std::clamp(travel, knots.front(), knots.back());
-  const Place p = findPlace(knots, inside);
-  std::tie(w.kinetic, w.kinetic_slope) = smooth(knots, wing_->kinetic_mass, p);
-  std::tie(w.coupled, w.coupled_slope) = smooth(knots, wing_->coupled_mass, p);
-  if (inside != travel) w.kinetic_slope = w.coupled_slope = 0.0;  // constant beyond the table
-  for (double* value : {&w.kinetic, &w.kinetic_slope, &w.coupled, &w.coupled_slope}) *value *= parameters_.wing_inertia;
-  w.friction = parameters_.wing_friction * wing_->at(wing_->friction_force, travel);
-  return w;
+Plant::Moved Plant::movedAt(double travel) const {
+  Moved sum;
+  const auto add = [&](const std::vector<double>& knots, const std::vector<double>& kinetic,
+                       const std::vector<double>& coupled, double scale) {
+    const double inside = std::clamp(travel, knots.front(), knots.back());
+    const Place p = findPlace(knots, inside);
+    const double slopes = inside == travel ? scale : 0.0;  // constant beyond the table
+    const auto [k, k_slope] = smooth(knots, kinetic, p);
+    const auto [s, s_slope] = smooth(knots, coupled, p);
+    sum.kinetic += scale * k;
+    sum.coupled += scale * s;
+    sum.kinetic_slope += slopes * k_slope;
+    sum.coupled_slope += slopes * s_slope;
+  };
+  add(table_.travel, table_.kinetic_mass, table_.coupled_mass, table_.arm_count);
+  if (!wing_) return sum;
+  add(wing_->travel, wing_->kinetic_mass, wing_->coupled_mass, parameters_.wing_inertia);
+  sum.friction = parameters_.wing_friction * wing_->at(wing_->friction_force, travel);
+  return sum;
 }
 
 double Plant::travelMass(double travel) const {
-  const Wings w = wingsAt(travel);
+  const Moved w = movedAt(travel);
   const double centre = parameters_.centre_mass, lag = centre - w.coupled;
   return centre + w.kinetic - (ringFixed() ? 0.0 : lag * lag / (ring_mass_ + centre));
 }
@@ -109,7 +115,7 @@ double Plant::handForce(double ring_speed, double travel, double thrust) const {
 Plant::Rates Plant::accelerations(double ring_position, double ring_speed, double centre_position, double centre_speed,
                                   double thrust) const {
   const double travel = ring_position - centre_position, rate = ring_speed - centre_speed;
-  const Wings w = wingsAt(travel);
+  const Moved w = movedAt(travel);
   const double pins = wing_ ? w.friction * std::tanh(rate / PIN_SPEED) : 0.0;
   const double arms = armForce(travel) + parameters_.damping * rate + pins;
   const double turn = 0.5 * w.kinetic_slope * rate * rate, lift = w.coupled * settings_.gravity;

@@ -76,7 +76,7 @@ std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, cons
 
   rom::Trial grasped;
   grasped.mount = rom::Mount::HELD;
-  const rom::LoadedBasins basins(model.potential(), model.wingsOf(grasped));
+  const rom::LoadedBasins basins(model.potential(), model.inertiaOf(grasped));
   AccidentMargin held{"ring held upright in F", "the centre hangs in the arms with its weight", F, "N"};
   held.limit = basins.limit(F, GRAVITY);
   held.occurs = p.centre_mass * GRAVITY;

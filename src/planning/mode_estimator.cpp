@@ -231,8 +231,8 @@ void ModeEstimator::Impl::stopAtLimits(Particle* particle) const {
   // The blow keeps the momentum m_r z_r' + m_c z_c' + S u'.
   const double centre = particle->model->parameters().centre_mass;
   const double all = trial.mount == rom::Mount::HELD ? INFINITY : particle->model->ringMass(trial) + centre;
-  const rom::WingInertia* wing = particle->model->wingsOf(trial);
-  const double share = rom::relativeInertia(wing ? wing->at(limit) : rom::WingSample(), centre, all).share;
+  const rom::TravelInertia* moved = particle->model->inertiaOf(trial);
+  const double share = rom::relativeInertia(moved ? moved->at(limit) : rom::InertiaSample(), centre, all).share;
   state.ring_speed += share * change;
   state.centre_speed -= (1.0 - share) * change;
   state.travel = limit;

@@ -11,15 +11,15 @@ namespace {
 constexpr int POINTS = 33;  // of a scan for an extremum; a parabola through three of them places it
 }  // namespace
 
-LoadedBasins::LoadedBasins(const Potential& potential, const WingInertia* wing)
-    : potential_(potential), wing_(wing), equilibria_(potential.equilibria()) {
+LoadedBasins::LoadedBasins(const Potential& potential, const TravelInertia* moved)
+    : potential_(potential), moved_(moved), equilibria_(potential.equilibria()) {
   if (!equilibria_.bistable) throw common::Error("the force curve is not bistable: there is no second mode");
-  if (!wing_) return;
+  if (!moved_) return;
   const auto scan = [&](double from, double to) {
     std::vector<Point> points;
     for (int i = 0; i < POINTS; ++i) {
       const double u = from + (to - from) * i / (POINTS - 1);
-      points.push_back({u, potential_.at(u).force, wing_->at(u).coupled_mass});
+      points.push_back({u, potential_.at(u).force, moved_->at(u).coupled_mass});
     }
     return points;
   };
@@ -29,8 +29,8 @@ LoadedBasins::LoadedBasins(const Potential& potential, const WingInertia* wing)
 
 PotentialSample LoadedBasins::sample(double travel, double felt) const {
   PotentialSample s = potential_.at(travel);
-  if (wing_) {
-    const WingSample w = wing_->at(travel);
+  if (moved_) {
+    const InertiaSample w = moved_->at(travel);
     s.energy += felt * w.mass_moment;
     s.force += felt * w.coupled_mass;
     s.stiffness += felt * w.coupled_slope;
@@ -78,7 +78,7 @@ double LoadedBasins::extremum(const std::vector<Point>& points, double felt, boo
 
 LoadedBasins::Branch LoadedBasins::branch(double felt) const {
   const Equilibria& e = equilibria_;
-  if (!wing_ || felt == 0) return {e.peak_travel, e.peak_force, e.valley_travel, e.valley_force};
+  if (!moved_ || felt == 0) return {e.peak_travel, e.peak_force, e.valley_travel, e.valley_force};
   Branch b;
   b.peak_travel = extremum(rising_, felt, true);
   b.valley_travel = extremum(falling_, felt, false);

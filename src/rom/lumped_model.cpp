@@ -49,12 +49,14 @@ void LumpedSettings::validate() const {
 }
 
 LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,
-                         double idle_fraction, const LumpedSettings& settings, std::shared_ptr<const WingInertia> wing)
+                         double idle_fraction, const LumpedSettings& settings,
+                         std::shared_ptr<const TravelInertia> wing, std::shared_ptr<const TravelInertia> arms)
     : potential_(std::move(potential)),
       parameters_(parameters),
       idle_fraction_(idle_fraction),
       settings_(settings),
-      wing_(std::move(wing)) {
+      arms_(std::move(arms)),
+      winged_(arms_ && wing ? std::make_shared<const TravelInertia>(*arms_ + *wing) : std::move(wing)) {
   if (!potential_) throw common::Error("lumped model: no potential");
   validate(parameters_);
   settings_.validate();
@@ -65,20 +67,24 @@ double LumpedModel::thrustFraction(const common::Radio& radio, double throttle) 
   return common::thrustFraction(parameters_.quadratic_share, common::motorOutput(radio, throttle));
 }
 
-const WingInertia* LumpedModel::wingsOf(const Trial& trial) const {
-  if (trial.wings.value_or(false) && !wing_) {
+bool LumpedModel::wingsAct(const Trial& trial) const {
+  if (trial.wings.value_or(false) && !winged_) {
     throw common::Error("trial: wings are on, but the vehicle has none; allowed: a vehicle file with the key 'wing'");
   }
-  return trial.wings.value_or(trial.mount != Mount::BOOM) ? wing_.get() : nullptr;
+  return winged_ && trial.wings.value_or(trial.mount != Mount::BOOM);
+}
+
+const TravelInertia* LumpedModel::inertiaOf(const Trial& trial) const {
+  return wingsAct(trial) ? winged_.get() : arms_.get();
 }
 
 double LumpedModel::relativeMass(const Trial& trial, double travel) const {
   const double centre = parameters_.centre_mass;
   const bool held = trial.mount == Mount::HELD;
   const double ring = ringMass(trial);
-  const WingInertia* wing = wingsOf(trial);
-  if (!wing) return held ? centre : ring * centre / (ring + centre);
-  return relativeInertia(wing->at(travel), centre, held ? INFINITY : ring + centre).mass;
+  const TravelInertia* moved = inertiaOf(trial);
+  if (!moved) return held ? centre : ring * centre / (ring + centre);
+  return relativeInertia(moved->at(travel), centre, held ? INFINITY : ring + centre).mass;
 }
 
 double LumpedModel::relativeEnergy(const LumpedState& state, const Trial& trial) const {
@@ -89,8 +95,8 @@ double LumpedModel::relativeEnergy(const LumpedState& state, const Trial& trial)
 double LumpedModel::commonSpeed(const LumpedState& state, const Trial& trial) const {
   if (trial.mount == Mount::HELD) return state.ring_speed;
   const double ring = ringMass(trial), centre = parameters_.centre_mass;
-  const WingInertia* wing = wingsOf(trial);
-  const double coupled = wing ? wing->at(state.travel).coupled_mass * state.travelRate() : 0.0;
+  const TravelInertia* moved = inertiaOf(trial);
+  const double coupled = moved ? moved->at(state.travel).coupled_mass * state.travelRate() : 0.0;
   return (ring * state.ring_speed + centre * state.centre_speed + coupled) / (ring + centre);
 }
 
@@ -119,9 +125,9 @@ double LumpedModel::centreSpecificForce(const LumpedState& state, const Trial& t
   const double centre = parameters_.centre_mass, w = state.travelRate();
   const double centre_drag = drag(parameters_.centre_drag, state.centre_speed).force;
   const double arms = potential_->at(state.travel).force + parameters_.damping * w;
-  const WingInertia* wing = wingsOf(trial);
-  if (!wing) return (arms - centre_drag) / centre;
-  const WingSample s = wing->at(state.travel);
+  const TravelInertia* moved = inertiaOf(trial);
+  if (!moved) return (arms - centre_drag) / centre;
+  const InertiaSample s = moved->at(state.travel);
   const bool held = trial.mount == Mount::HELD;
   const double all = held ? INFINITY : ringMass(trial) + centre;
   const RelativeInertia inertia = relativeInertia(s, centre, all);
@@ -136,7 +142,7 @@ double LumpedModel::centreSpecificForce(const LumpedState& state, const Trial& t
 
 LumpedState LumpedModel::startState(common::Mode mode, const Trial& trial, bool* held) const {
   if (mode == common::Mode::UNKNOWN) throw common::Error("lumped model: the start mode is unknown; allowed: F or Q");
-  const LoadedBasins basins(*potential_, wingsOf(trial));
+  const LoadedBasins basins(*potential_, inertiaOf(trial));
   LumpedState state;
   state.thrust = trial.initial_thrust_fraction.value_or(idle_fraction_) * parameters_.max_thrust;
   if (trial.mount != Mount::HELD) state.ring_speed = state.centre_speed = trial.initial_speed;

@@ -17,8 +17,8 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
   next.thrust = state.thrust + (wanted - state.thrust) * decay;
   const double mean_thrust = wanted + (state.thrust - wanted) * decay * lag / dt;
 
-  if (const WingInertia* wing = wingsOf(trial)) {
-    wingedStep(state, mean_thrust + trial.push, dt, trial, *wing, &next);
+  if (const TravelInertia* moved = inertiaOf(trial)) {
+    coupledStep(state, mean_thrust + trial.push, dt, trial, *moved, &next);
   } else {
     plainStep(state, mean_thrust + trial.push, dt, trial, &next);
   }

@@ -44,7 +44,7 @@ MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::M
     : model_(model),
       trial_(trial),
       equilibria_(model.potential().equilibria()),
-      basins_(model.potential(), model.wingsOf(trial)),
+      basins_(model.potential(), model.inertiaOf(trial)),
       start_(start),
       target_(common::otherMode(start)),
       last_(first),

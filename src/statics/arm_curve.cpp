@@ -18,6 +18,10 @@ void append(common::ForceTable& table, const ArmProblem& arm, const PathPoint& p
   table.min_det_f.push_back(point.min_det_f);
   table.stable.push_back(point.stable ? 1 : 0);
   table.iterations.push_back(point.iterations);
+  const MovingMass inertia = arm.movingMass(point.slope);
+  table.mass = inertia.mass;
+  table.kinetic_mass.push_back(inertia.kinetic);
+  table.coupled_mass.push_back(inertia.coupled);
   table.shapes.moved.push_back(arm.movedShapes(point.solution, point.control));
 }
 

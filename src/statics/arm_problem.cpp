@@ -61,7 +61,7 @@ std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::D
 
 ArmProblem::ArmProblem(const common::ArmSettings& arm, const elasticity::Material& material,
                        const mpm::DensityField& design, const ArmProblemSettings& settings)
-    : arm_(arm) {
+    : arm_(arm), mass_density_(material.mass_density) {
   const bool same =
       settings.cell_size <= 0 || std::abs(settings.cell_size - design.cell_size) < 1e-9 * design.cell_size;
   field_ = same ? design : design.resampled(settings.cell_size);
@@ -84,6 +84,11 @@ void ArmProblem::setDensities(const std::vector<double>& densities) {
 
 Eigen::VectorXd ArmProblem::displacements(const Eigen::VectorXd& z, double travel) const {
   return problem_->reduction().expand(z, Eigen::VectorXd::Constant(1, travel));
+}
+
+MovingMass ArmProblem::movingMass(const Eigen::VectorXd& slope) const {
+  const Eigen::VectorXd rate = problem_->reduction().expandDirection(slope, Eigen::VectorXd::Ones(1));
+  return statics::movingMass<2>(problem_->solid(), {mass_density_}, rate, Vector<2>(0, 1));
 }
 
 double ArmProblem::rotation(const Eigen::VectorXd& z, double travel) const {

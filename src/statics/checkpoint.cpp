@@ -11,7 +11,7 @@ namespace snapwing::statics {
 
 namespace {
 
-const std::string MAGIC = "snapwing checkpoint 1\n";
+const std::string MAGIC = "snapwing checkpoint 2\n";
 
 class Writer {
  public:
@@ -29,6 +29,7 @@ class Writer {
         number(value);
       }
       vector(p.solution);
+      vector(p.slope);
       vector(p.multipliers);
     }
   }
@@ -65,6 +66,7 @@ class Reader {
       p.by_arc = integer() != 0;
       p.anchor = integer() != 0;
       p.solution = vector();
+      p.slope = vector();
       p.multipliers = vector();
       run.points.push_back(std::move(p));
     }

@@ -23,6 +23,7 @@ PathPoint describePoint(const Equilibrium& x, int iterations, int factorizations
   point.factorizations = factorizations;
   if (keep_solution) {
     point.solution = x.z;
+    point.slope = x.slope;
     point.multipliers = x.multipliers;
   }
   return point;

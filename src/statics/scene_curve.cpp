@@ -51,11 +51,15 @@ common::ForceTable SceneCurve::table() const {
   common::ForceTable t;
   const bool down = !path.points.empty() && path.points.back().control < path.points.front().control;
   for (std::size_t n = 0; n < path.points.size(); ++n) {
-    const PathPoint& p = path.points[down ? path.points.size() - 1 - n : n];
+    const std::size_t k = down ? path.points.size() - 1 - n : n;
+    const PathPoint& p = path.points[k];
     t.travel.push_back(p.control);
     t.force.push_back(multiplicity * p.force);
     t.stiffness.push_back(multiplicity * p.stiffness);
     t.energy.push_back(multiplicity * p.energy);
+    t.mass = inertia[k].mass;
+    t.kinetic_mass.push_back(inertia[k].kinetic);
+    t.coupled_mass.push_back(inertia[k].coupled);
     t.rotation.push_back(0);
     t.min_det_f.push_back(p.min_det_f);
     t.stable.push_back(p.stable ? 1 : 0);
@@ -174,7 +178,10 @@ SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, const T
   }
   curve.limit_points = turningPoints(curve.path.points);
   curve.crossings = stabilityChanges(curve.path.points);
-  for (const PathPoint& p : curve.path.points) curve.monitors.push_back(compiled.monitors(p.solution, p.control));
+  for (const PathPoint& p : curve.path.points) {
+    curve.monitors.push_back(compiled.monitors(p.solution, p.control));
+    curve.inertia.push_back(compiled.movingMass(p.solution, p.control, p.slope));
+  }
   return curve;
 }
 

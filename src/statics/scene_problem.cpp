@@ -76,6 +76,18 @@ class CompiledSceneOf : public CompiledScene {
     return values;
   }
 
+  MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const override {
+    constexpr double H = 1e-6;  // [m] displacements are linear in z and p but for rigid rotations
+    const Eigen::VectorXd rate = (displacements(z + H * slope, p + H) - displacements(z - H * slope, p - H)) / (2 * H);
+    std::vector<double> density;
+    for (const SceneBody& body : scene_.bodies) density.push_back(body.material.mass_density);
+    Vector<D> axis = Vector<D>::Zero();
+    if (!scene_.ports.empty()) axis = -scene_.ports.front().direction.template head<D>();
+    MovingMass sum = statics::movingMass<D>(solid_->solid(), density, rate, axis);
+    for (double* value : {&sum.mass, &sum.kinetic, &sum.coupled}) *value *= multiplicity_;
+    return sum;
+  }
+
   double monitor(int number, const Eigen::VectorXd& u, Eigen::VectorXd* gradient = nullptr) const override {
     const SceneMonitor& m = scene_.monitors[number];
     if (gradient != nullptr) gradient->setZero(solid_->solid().dofCount());

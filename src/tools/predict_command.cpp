@@ -85,7 +85,7 @@ int predict(const PredictOptions& options) {
     common::writeFileAtomically(options.json_file, common::jsonText(json));
   }
   std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
-              rom::mountName(trial.mount).c_str(), model.wingsOf(trial) ? "on" : "off", options.pulse.throttle,
+              rom::mountName(trial.mount).c_str(), model.wingsAct(trial) ? "on" : "off", options.pulse.throttle,
               100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
   std::printf("%s\n", predictionLine(prediction).c_str());
   if (!prediction.start_held)

@@ -7,6 +7,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/provenance.h"
+#include "support/paths.h"
 
 namespace snapwing::common {
 namespace {
@@ -27,9 +28,12 @@ ForceTable cubicTable(int arms = 4) {
     t.energy.push_back(energy(u));
     t.rotation.push_back(u / 0.06);
     t.min_det_f.push_back(0.9);
+    t.kinetic_mass.push_back(5e-3 + 0.1 * u);
+    t.coupled_mass.push_back(-6e-3 - 0.01 * u);
     t.stable.push_back(1);
     t.iterations.push_back(4);
   }
+  t.mass = 0.011;
   t.arm_count = arms;
   t.provenance["rung"] = "closed form";
   t.shapes.rest = {{{0, 0}, {1, 0}, {1, 1}}, {{0.2, 0.2}, {0.4, 0.2}}};
@@ -85,6 +89,9 @@ TEST(ForceTable, FileKeepsEveryBit) {
   EXPECT_EQ(back.stiffness, t.stiffness);
   EXPECT_EQ(back.energy, t.energy);
   EXPECT_EQ(back.stable, t.stable);
+  EXPECT_EQ(back.kinetic_mass, t.kinetic_mass);
+  EXPECT_EQ(back.coupled_mass, t.coupled_mass);
+  EXPECT_EQ(back.mass, t.mass);
   EXPECT_EQ(back.arm_count, t.arm_count);
   EXPECT_EQ(back.provenance, t.provenance);
   EXPECT_EQ(back.shapes.rest, t.shapes.rest);
@@ -102,12 +109,28 @@ TEST(ForceTable, BadTablesAndFilesAreRefused) {
   t = cubicTable();
   std::swap(t.travel[3], t.travel[4]);
   EXPECT_THROW(t.validate(), Error);
+  t = cubicTable();
+  t.kinetic_mass[7] = 0.5 * t.coupled_mass[7] * t.coupled_mass[7] / t.mass;  // no mass moves like that
+  EXPECT_THROW(t.validate(), Error);
+  t = cubicTable();
+  t.coupled_mass.pop_back();
+  EXPECT_THROW(t.validate(), Error);
   EXPECT_THROW(loadForceTable(path), FileError);
   writeFileAtomically(path, "no HDF5");
   EXPECT_THROW(loadForceTable(path), FileError);
   writeFileAtomically(path, "");
   EXPECT_THROW(loadForceTable(path), FileError);
   std::filesystem::remove(path);
+}
+
+TEST(ForceTable, OlderFormatIsRefusedWithTheCommandThatMakesItAnew) {
+  try {
+    loadForceTable(test::sourceDir() + "/test/data/tables/format_1.h5");
+    FAIL() << "taken";
+  } catch (const FileError& e) {
+    EXPECT_NE(std::string(e.what()).find("format_version is 1"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("snapwing curve VEHICLE.yaml -o TABLE.h5"), std::string::npos) << e.what();
+  }
 }
 
 TEST(ForceTable, FailedSaveLeavesTheOldFile) {

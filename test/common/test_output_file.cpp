@@ -52,7 +52,8 @@ ForceTable anyTable() {
   for (int k = 0; k < 400; ++k) {
     const double u = 1e-4 * k;
     t.travel.push_back(u), t.force.push_back(100 * u), t.stiffness.push_back(100), t.energy.push_back(50 * u * u);
-    t.rotation.push_back(u), t.min_det_f.push_back(1), t.stable.push_back(1), t.iterations.push_back(1);
+    t.rotation.push_back(u), t.kinetic_mass.push_back(0), t.coupled_mass.push_back(0), t.min_det_f.push_back(1),
+        t.stable.push_back(1), t.iterations.push_back(1);
   }
   return t;
 }

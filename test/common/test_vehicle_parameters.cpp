@@ -54,6 +54,9 @@ TEST(VehicleParameters, RefusesBadCoordinatesAndCurvesWithoutASecondMode) {
   EXPECT_THROW(realise(v, table, xi), Error);
   xi[2] = NAN;
   EXPECT_THROW(realise(v, table, xi), Error);
+  ForceTable heavy = testing::exampleTableWithMass();
+  heavy.mass = 0.1;  // four of them: more than ring and arms weigh
+  EXPECT_THROW(realise(v, heavy), Error);
   for (std::size_t i = 0; i < table.travel.size(); ++i) {
     table.force[i] = 100.0 * table.travel[i];
     table.stiffness[i] = 100.0;

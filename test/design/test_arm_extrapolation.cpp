@@ -96,17 +96,22 @@ TEST(ArmExtrapolation, TableIsTheLimitOfBothCurvesPointByPoint) {
       c.table.travel.push_back(0.01 * k);
       c.table.force.push_back(k + cell), c.table.energy.push_back(2 * k + 3 * cell);
       c.table.stiffness.push_back(4), c.table.rotation.push_back(0.1 * k * cell);
+      c.table.kinetic_mass.push_back(k + 2 * cell), c.table.coupled_mass.push_back(-k - cell);
       c.table.min_det_f.push_back(cell), c.table.stable.push_back(cell > 0.7 || k != 2);
       c.table.iterations.push_back(1);
     }
+    c.table.mass = 0.01 + 0.001 * cell;
     check.cases.push_back(c);
   }
   const common::ForceTable table = extrapolatedTable(check);
   ASSERT_EQ(table.travel.size(), 5U);
+  EXPECT_NEAR(table.mass, 0.01, 1e-15);
   for (int k = 0; k < 5; ++k) {
     EXPECT_NEAR(table.force[k], k, 1e-14);
     EXPECT_NEAR(table.energy[k], 2 * k, 1e-14);
     EXPECT_NEAR(table.rotation[k], 0, 1e-14);
+    EXPECT_NEAR(table.kinetic_mass[k], k, 1e-14);
+    EXPECT_NEAR(table.coupled_mass[k], -k, 1e-14);
     EXPECT_EQ(table.stable[k], k != 2);
     EXPECT_EQ(table.min_det_f[k], 0.5);
     EXPECT_EQ(table.iterations[k], 2);

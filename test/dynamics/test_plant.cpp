@@ -173,55 +173,84 @@ TEST_F(PlantTest, DrawsAreReproducibleAndDiffer) {
   }
 }
 
-TEST_F(PlantTest, KeepsMomentumAndEnergyWithWings) {
-  parameters_.damping = parameters_.ring_drag = parameters_.centre_drag = 0.0;
-  const common::WingTable wing = snapwing::testing::exampleWing(1.0, 0.0, 8001);  // so fine that straight lines serve
-  PlantSettings settings;
-  settings.mount = PlantMount::FREE;
-  Plant p(vehicle_, table_, parameters_, settings, wing);
-  p.reset(Mode::FIXED_WING);
-  p.setMotorOutputs(all(0.9));
-  p.advanceTo(0.16);
-  p.setMotorOutputs(all(0.0));
-  p.advanceTo(1.5);  // the thrust has died
-  const double ring = parameters_.ring_mass, centre = parameters_.centre_mass;
-  const auto at = [&](const std::vector<double>& column) { return wing.at(column, p.state().travel()); };
-  const auto momentum = [&] {
-    const PlantState& s = p.state();
-    return ring * s.ring_speed + centre * s.centre_speed + at(wing.coupled_mass) * s.travelRate();
-  };
-  const rom::EnergySpline arms(table_, parameters_.force_scale);
-  const auto energy = [&] {
-    const PlantState& s = p.state();
-    const double v = s.ring_speed, w = s.travelRate();
-    return 0.5 * ring * v * v + 0.5 * centre * s.centre_speed * s.centre_speed + at(wing.coupled_mass) * v * w +
-           0.5 * at(wing.kinetic_mass) * w * w + arms.energy(s.travel());
-  };
-  const double momentum0 = momentum(), energy0 = energy();
-  double most = -INFINITY, least = INFINITY, drift = 0;
-  for (double t = 1.5; t < 4.0; t += 0.001) {
-    p.advanceTo(t);
-    most = std::max(most, p.state().travel());
-    least = std::min(least, p.state().travel());
-    drift = std::max(drift, std::abs(energy() - energy0));
+/// Arms with mass from so many points that no interpolation is seen.
+common::ForceTable fineTableWithMass() {
+  namespace ex = snapwing::testing;
+  const rom::EnergySpline all(ex::exampleTable());
+  common::ForceTable t;
+  t.arm_count = 4;
+  t.mass = ex::EXAMPLE_ARM_MASS;
+  for (int i = -300; i <= 1600; ++i) {
+    const double u = 5e-5 * i;
+    const rom::PotentialSample s = all.at(u);
+    t.travel.push_back(u), t.energy.push_back(s.energy / 4), t.force.push_back(s.force / 4);
+    t.stiffness.push_back(s.stiffness / 4), t.rotation.push_back(0), t.min_det_f.push_back(1);
+    t.stable.push_back(1), t.iterations.push_back(0);
+    t.kinetic_mass.push_back(ex::exampleArmKinetic(u)), t.coupled_mass.push_back(ex::exampleArmCoupled(u));
   }
-  EXPECT_NEAR(momentum(), momentum0, 1e-6);
-  EXPECT_GT(most - least, 0.01);
-  EXPECT_LT(drift, 1e-4);  // of 15 J; the plant's cubic force and this quintic energy differ a little
+  return t;
 }
 
-TEST_F(PlantTest, RingInTheHandCarriesTheWingsWeight) {
+TEST_F(PlantTest, KeepsMomentumAndEnergyWithHeavyArmsAndWings) {
+  parameters_.damping = parameters_.ring_drag = parameters_.centre_drag = 0.0;
+  const common::ForceTable table = fineTableWithMass();
+  const common::WingTable wing = snapwing::testing::exampleWing(1.0, 0.0, 8001);  // so fine that straight lines serve
+  const rom::EnergySpline arms(table, parameters_.force_scale);
+  const double ring = parameters_.ring_mass, centre = parameters_.centre_mass;
+  for (const bool wings : {true, false}) {
+    PlantSettings settings;
+    settings.mount = PlantMount::FREE;
+    settings.wings = wings;
+    Plant p(vehicle_, table, parameters_, settings, wing);
+    p.reset(Mode::FIXED_WING);
+    p.setMotorOutputs(all(0.9));
+    p.advanceTo(0.16);
+    p.setMotorOutputs(all(0.0));
+    p.advanceTo(1.5);  // the thrust has died
+    const auto coupled = [&](double u) {
+      return 4 * snapwing::testing::exampleArmCoupled(u) + (wings ? wing.at(wing.coupled_mass, u) : 0.0);
+    };
+    const auto kinetic = [&](double u) {
+      return 4 * snapwing::testing::exampleArmKinetic(u) + (wings ? wing.at(wing.kinetic_mass, u) : 0.0);
+    };
+    const auto momentum = [&] {
+      const PlantState& s = p.state();
+      return ring * s.ring_speed + centre * s.centre_speed + coupled(s.travel()) * s.travelRate();
+    };
+    const auto energy = [&] {
+      const PlantState& s = p.state();
+      const double v = s.ring_speed, w = s.travelRate(), u = s.travel();
+      return 0.5 * ring * v * v + 0.5 * centre * s.centre_speed * s.centre_speed + coupled(u) * v * w +
+             0.5 * kinetic(u) * w * w + arms.energy(u);
+    };
+    const double momentum0 = momentum(), energy0 = energy();
+    double most = -INFINITY, least = INFINITY, drift = 0;
+    for (double t = 1.5; t < 4.0; t += 0.001) {
+      p.advanceTo(t);
+      most = std::max(most, p.state().travel());
+      least = std::min(least, p.state().travel());
+      drift = std::max(drift, std::abs(energy() - energy0));
+    }
+    EXPECT_NEAR(momentum(), momentum0, 1e-6) << wings;
+    EXPECT_GT(most - least, 0.01);
+    EXPECT_LT(drift, 1e-4) << wings;  // of 15 J; the plant's cubic force and this quintic energy differ a little
+  }
+}
+
+TEST_F(PlantTest, RingInTheHandCarriesTheWeightOfArmsAndWings) {
+  const common::ForceTable table = snapwing::testing::exampleTableWithMass();
   const common::WingTable wing = snapwing::testing::exampleWing();
   PlantSettings settings;
   settings.mount = PlantMount::HELD;
   settings.gravity = 5.0;
-  Plant p(vehicle_, table_, parameters_, settings, wing);
+  Plant p(vehicle_, table, parameters_, settings, wing);
   p.reset(Mode::FIXED_WING);
   p.advanceTo(10.0);
-  // The centre's weight less what the wings' weight pulls back is what the arms carry.
-  const double u = p.state().travel(), pull = 5.0 * (parameters_.centre_mass - wing.at(wing.coupled_mass, u));
+  // The centre's weight and that of the arms' share, less what the wings' weight pulls back, is what the arms carry.
+  const double u = p.state().travel(), arms = 4 * snapwing::testing::exampleArmCoupled(u);
+  const double pull = 5.0 * (parameters_.centre_mass - arms - wing.at(wing.coupled_mass, u));
   EXPECT_NEAR(p.centreSpecificForce(), 5.0, 1e-6);
-  EXPECT_NEAR(rom::EnergySpline(table_, parameters_.force_scale).at(u).force, pull, 2e-4);
+  EXPECT_NEAR(rom::EnergySpline(table, parameters_.force_scale).at(u).force, pull, 2e-4);
 }
 
 TEST_F(PlantTest, WingsOnABoomOrWithoutATableAreRefused) {

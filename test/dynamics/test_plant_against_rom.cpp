@@ -63,7 +63,7 @@ rom::SnapPrediction predict(const rom::LumpedModel& model, const common::Vehicle
 
 TEST(PlantAgainstRom, SameParametersSameMotion) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  const common::ForceTable table = snapwing::testing::exampleTable();
+  const common::ForceTable table = snapwing::testing::exampleTableWithMass();
   rom::Trial trial;
   trial.mount = rom::Mount::BOOM;
   const Case cases[] = {{common::Mode::FIXED_WING, {0.7, 0.16}},
@@ -88,7 +88,7 @@ TEST(PlantAgainstRom, SameParametersSameMotion) {
 
 TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  const common::ForceTable table = snapwing::testing::exampleTable();
+  const common::ForceTable table = snapwing::testing::exampleTableWithMass();
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
   ASSERT_TRUE(wing);
   rom::Trial trial;  // free: wings are on
@@ -125,7 +125,7 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
 
 TEST(PlantAgainstRom, SamePushSameMotion) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  const common::ForceTable table = snapwing::testing::exampleTable();
+  const common::ForceTable table = snapwing::testing::exampleTableWithMass();
   const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
   common::VehicleParameters p = drawParameters(vehicle, table, 5);
   p.wing_friction = 0;  // its step differs

@@ -189,7 +189,7 @@ def write_force_table(path):
     hole = np.array([[0.03, 0.005], [0.05, 0.005], [0.05, 0.015], [0.03, 0.015]])
     rest = np.vstack([square, hole])
     moved = [rest + np.array([0.0, -1.0]) * u * (1 - rest[:, :1] / 0.08) for u in travel]
-    arrays = {"format_version": ([1], "1"), "arm_count": ([4], "1"), "travel": (travel, "m"),
+    arrays = {"format_version": ([2], "1"), "arm_count": ([4], "1"), "travel": (travel, "m"),
               "force": (force(travel) / 4, "N"), "energy": (energy(travel) / 4, "J"), "rotation": (travel * 16, "rad"),
               "stable": (np.ones(36, dtype=int), "1"), "force_back": (force(travel) / 4 - 0.01, "N"),
               "shapes/loop_sizes": ([6, 4], "1"), "shapes/rest": (rest.ravel(), "m"),

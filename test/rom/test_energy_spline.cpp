@@ -104,6 +104,8 @@ TEST(EnergySpline, ErrorEstimateSeesACoarseTable) {
       t.stiffness.push_back(100 * std::cos(100 * u));
       t.energy.push_back((1 - std::cos(100 * u)) / 100);
       t.rotation.push_back(0);
+      t.kinetic_mass.push_back(0);
+      t.coupled_mass.push_back(0);
       t.min_det_f.push_back(1);
       t.stable.push_back(1);
       t.iterations.push_back(0);
@@ -124,6 +126,7 @@ TEST(EnergySpline, UnevenKnotsGiveTheSameCurve) {
   for (const std::size_t k : {70u, 41u, 22u}) {
     drop(uneven.travel, k), drop(uneven.force, k), drop(uneven.stiffness, k), drop(uneven.energy, k);
     drop(uneven.rotation, k), drop(uneven.min_det_f, k), drop(uneven.stable, k), drop(uneven.iterations, k);
+    drop(uneven.kinetic_mass, k), drop(uneven.coupled_mass, k);
   }
   const EnergySpline a(even), b(uneven);
   for (double u = -0.02; u < 0.09; u += 3.3e-4) EXPECT_NEAR(a.at(u).force, b.at(u).force, 0.01);

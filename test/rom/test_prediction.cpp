@@ -174,6 +174,7 @@ TEST_F(Prediction, TellsWhenTheTableIsLeft) {
   while (cut.travel.back() > 0.060) {
     cut.travel.pop_back(), cut.force.pop_back(), cut.stiffness.pop_back(), cut.energy.pop_back();
     cut.rotation.pop_back(), cut.min_det_f.pop_back(), cut.stable.pop_back(), cut.iterations.pop_back();
+    cut.kinetic_mass.pop_back(), cut.coupled_mass.pop_back();
   }
   const LumpedModel model = LumpedModel::fromVehicle(vehicle_, cut, model_.parameters());
   EXPECT_TRUE(model.predict(Mode::QUADROTOR, 1.0, 0.3, trial_).out_of_table);

@@ -16,23 +16,31 @@ struct ArmShapes {
   std::vector<std::vector<std::vector<std::array<double, 2>>>> moved;
 };
 
-/// Force of ONE arm against travel; all arrays have one entry per point, travel strictly increasing.
+/// Force and inertia of ONE arm against travel; all arrays have one entry per point, travel strictly increasing.
+/// Inertia: with the ring at z along the thrust axis and the arm on its static path,
+///   T = m z'^2 / 2 + S z' u' + K u'^2 / 2,   K = sum m |dx/du|^2,   S = sum m dh/du
+/// x(u) is a particle's place in the ring's frame and h its height: S is negative, since the arm follows the centre
+/// down.
 struct ForceTable {
-  std::vector<double> travel;      ///< u [m]
-  std::vector<double> force;       ///< R(u) = dE/du [N], force that holds the housing at u
-  std::vector<double> stiffness;   ///< dR/du [N/m], from the tangent at the converged point
-  std::vector<double> energy;      ///< elastic energy E(u) [J]
-  std::vector<double> rotation;    ///< arm rotation [rad], positive as u grows
-  std::vector<double> min_det_f;   ///< smallest det F over all cells [1]
-  std::vector<int> stable;         ///< 1 if the constrained equilibrium is a minimum (no negative pivot)
-  std::vector<int> iterations;     ///< Newton iterations spent on the point
-  std::vector<double> force_back;  ///< R on the way back [N], same travel; empty if not traced
-  ArmShapes shapes;                ///< may be empty
-  int arm_count = 1;               ///< arms of the vehicle; its force is arm_count * force
+  std::vector<double> travel;        ///< u [m]
+  std::vector<double> force;         ///< R(u) = dE/du [N], force that holds the housing at u
+  std::vector<double> stiffness;     ///< dR/du [N/m], from the tangent at the converged point
+  std::vector<double> energy;        ///< elastic energy E(u) [J]
+  std::vector<double> rotation;      ///< arm rotation [rad], positive as u grows
+  std::vector<double> min_det_f;     ///< smallest det F over all cells [1]
+  std::vector<int> stable;           ///< 1 if the constrained equilibrium is a minimum (no negative pivot)
+  std::vector<int> iterations;       ///< Newton iterations spent on the point
+  std::vector<double> kinetic_mass;  ///< K [kg]
+  std::vector<double> coupled_mass;  ///< S [kg]
+  std::vector<double> force_back;    ///< R on the way back [N], same travel; empty if not traced
+  ArmShapes shapes;                  ///< may be empty
+  double mass = 0;                   ///< m of one arm [kg]
+  int arm_count = 1;                 ///< arms of the vehicle; its force is arm_count * force
   /// Where it came from: "rung", "kernel", "cell_size_m", "inputs_sha256", "snapwing_version", "command", ...
   std::map<std::string, std::string> provenance;
 
-  /// @throws Error naming the array and index: unequal lengths, fewer than 4 points, not increasing, not finite
+  /// @throws Error naming the array and index: unequal lengths, fewer than 4 points, not increasing, not finite, or an
+  /// inertia that no mass can have
   void validate() const;
 };
 

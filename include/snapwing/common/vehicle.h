@@ -9,8 +9,9 @@
 namespace snapwing::common {
 
 struct Masses {
-  Quantity total;   ///< [kg] whole vehicle
-  Quantity centre;  ///< [kg] housing, battery, electronics: what lags behind; the ring side is total - centre
+  Quantity total;   ///< [kg] whole vehicle, arms included
+  Quantity centre;  ///< [kg] housing, battery, electronics, without arms: what lags behind; ring side and arms are
+                    ///< total - centre
 };
 
 /// Where ring, housing, arms and rotors sit. [m]

@@ -11,7 +11,7 @@
 namespace snapwing::common {
 
 struct VehicleParameters {
-  double ring_mass = 0;           ///< [kg] m_r, without boom
+  double ring_mass = 0;           ///< [kg] m_r, with the arms' mass, without boom
   double centre_mass = 0;         ///< [kg] m_c
   double force_scale = 1;         ///< [1] times the table's force and energy
   double damping = 0;             ///< [N s/m] c of the relative motion
@@ -33,7 +33,8 @@ struct VehicleParameters {
 const std::vector<std::string>& uncertainNames();
 
 /// Parameters at a point of the uncertainty box.
-/// @param table  of one arm; gives the stiffness at the second equilibrium that turns the damping ratio into c
+/// @param table  of one arm; gives the stiffness at the second equilibrium that turns the damping ratio into c, and the
+///               mass that the ring side must exceed
 /// @param xi     one coordinate in [-1, 1] for each of uncertainNames(): value + xi * plus_minus; empty = nominal
 /// @throws Error if the size is wrong, a coordinate is outside [-1, 1] or the table has no second equilibrium
 VehicleParameters realise(const Vehicle& vehicle, const ForceTable& table, const std::vector<double>& xi = {});

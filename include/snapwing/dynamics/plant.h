@@ -4,7 +4,8 @@
 /// the experimenter's hand; explicit fourth-order Runge-Kutta with a small fixed step.
 ///   m_r z_r'' = T - D_r - friction + H + P - F(u) - c u' - m_r g  (H: hand, only when it holds; P: push from outside)
 ///   m_c z_c'' =     - D_c             + F(u) + c u' - m_c g       u = z_r - z_c
-/// Wings that are on (dynamics/plant_forces.cpp) add their inertia to both equations, and friction at their pins.
+/// Arms, and wings that are on (dynamics/plant_forces.cpp), add their inertia to both equations, wings also friction at
+/// their pins.
 
 #include <cstdint>
 #include <optional>
@@ -88,11 +89,11 @@ class Plant {
   struct Rates {
     double ring = 0, centre = 0;  ///< accelerations [m/s2]
   };
-  /// Inertia of the wings at one travel and its slopes: K, S of common/wing_table.h. [kg, kg/m]
-  struct Wings {
+  /// Inertia of arms and wings at one travel and its slopes: K, S of their tables. [kg, kg/m]
+  struct Moved {
     double kinetic = 0, kinetic_slope = 0, coupled = 0, coupled_slope = 0, friction = 0;
   };
-  Wings wingsAt(double travel) const;
+  Moved movedAt(double travel) const;
   /// Inertia against the travel with the common momentum as it is, or with the ring fixed. [kg]
   double travelMass(double travel) const;
   double armForce(double travel) const;

@@ -1,20 +1,22 @@
 #pragma once
 /// Equilibria of the potential under a load on the relative motion: minima and barrier of
 ///   V(u) = E(u) - L u + a H(u)
-/// L is the load at constant force; a H(u), H' = S(u), is the weight that the wings feel. Without wings H = 0.
+/// L is the load at constant force; a H(u), H' = S(u), is the weight that arms and wings feel. Without their mass H =
+/// 0.
 
 #include <cmath>
 #include <vector>
 
 #include "snapwing/common/mode.h"
 #include "snapwing/rom/potential.h"
-#include "snapwing/rom/wing_inertia.h"
+#include "snapwing/rom/travel_inertia.h"
 
 namespace snapwing::rom {
 
 struct RelativeLoad {
   double force = 0;  ///< L [N], pushes u up
-  double felt = 0;   ///< a [m/s2], specific force along the thrust axis that the wings lag behind: pushes by -a S(u)
+  double felt =
+      0;  ///< a [m/s2], specific force along the thrust axis that arms and wings lag behind: pushes by -a S(u)
 };
 
 /// The barrier between the basins, which lies where the force that balances L falls from its peak to its valley.
@@ -28,12 +30,12 @@ struct LoadedBarrier {
   common::Mode sideOf(double u) const;
 };
 
-/// A bistable potential's basins under load. Keeps references: potential and wing must outlive it.
+/// A bistable potential's basins under load. Keeps references: potential and inertia must outlive it.
 class LoadedBasins {
  public:
-  /// @param wing  nullptr: none
+  /// @param moved  arms and wings; nullptr: without mass
   /// @throws common::Error if the potential is not bistable
-  explicit LoadedBasins(const Potential& potential, const WingInertia* wing = nullptr);
+  explicit LoadedBasins(const Potential& potential, const TravelInertia* moved = nullptr);
 
   /// Stable equilibrium of `mode` under the load. @return false if the load leaves none
   bool equilibrium(common::Mode mode, const RelativeLoad& load, double* travel) const;
@@ -64,9 +66,10 @@ class LoadedBasins {
   double extremum(const std::vector<Point>& points, double felt, bool largest) const;
 
   const Potential& potential_;
-  const WingInertia* wing_;
+  const TravelInertia* moved_;
   const Equilibria& equilibria_;
-  std::vector<Point> rising_, falling_;  ///< between first equilibrium and barrier, barrier and second; with wings only
+  std::vector<Point> rising_,
+      falling_;  ///< between first equilibrium and barrier, barrier and second; with inertia only
 };
 
 }  // namespace snapwing::rom

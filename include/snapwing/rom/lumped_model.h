@@ -3,12 +3,13 @@
 /// centre m_c, u = z_ring - z_centre.
 ///   m_r z_r'' = T - D_r(z_r') - friction - F(u) - c u' - m_r g + P     (P: push from outside, of the trial)
 ///   m_c z_c'' =     - D_c(z_c')          + F(u) + c u' - m_c g
-/// With wings (rom/wing_inertia.h) the travel has the inertia m(u) = m_c + K - (m_c - S)^2 / (m_r + m_c) and
+/// With arms that have mass, and with wings (rom/travel_inertia.h), the travel has the inertia m(u) = m_c + K - (m_c -
+/// S)^2 / (m_r + m_c) and
 ///   m(u) u'' + m'(u) u'^2 / 2 = L(u) - F(u) - c u' - friction of the pins
 /// docs/reduced_model.md derives it. D = k |v| v. Thrust follows q s^2 + (1-q) s of the motor output s by a first-order
 /// lag (own constants up and down). Time stepping: implicit midpoint with the discrete gradient (E(u1) - E(u0)) / (u1 -
-/// u0) for the elastic force, so that without loads and losses the energy is kept to rounding [Gonzalez 1996]; the
-/// wings' inertia is treated alike. Second order; steps end where the command changes.
+/// u0) for the elastic force, so that without loads and losses the energy is kept to rounding [Gonzalez 1996]; m(u) is
+/// treated alike. Second order; steps end where the command changes.
 
 #include <functional>
 #include <memory>
@@ -18,8 +19,8 @@
 #include "snapwing/common/vehicle_parameters.h"
 #include "snapwing/rom/loaded_basins.h"
 #include "snapwing/rom/potential.h"
+#include "snapwing/rom/travel_inertia.h"
 #include "snapwing/rom/trial.h"
-#include "snapwing/rom/wing_inertia.h"
 
 namespace snapwing::rom {
 
@@ -58,10 +59,11 @@ class LumpedModel {
  public:
   /// @param idle_fraction  steady thrust at motor idle / full thrust [0, 1)
   /// @param wing  scales applied; nullptr: none
+  /// @param arms  their inertia; nullptr: weightless
   /// @throws common::Error for bad parameters (masses and time constants > 0, the rest >= 0, all finite)
   LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,
               double idle_fraction, const LumpedSettings& settings = {},
-              std::shared_ptr<const WingInertia> wing = nullptr);
+              std::shared_ptr<const TravelInertia> wing = nullptr, std::shared_ptr<const TravelInertia> arms = nullptr);
 
   /// The usual way: spline, wings and idle thrust from the vehicle and its tables. @throws common::Error
   static LumpedModel fromVehicle(const common::Vehicle& vehicle, const common::ForceTable& table,
@@ -90,10 +92,10 @@ class LumpedModel {
   /// unloaded equilibrium)
   LumpedState startState(common::Mode mode, const Trial& trial, bool* held = nullptr) const;
 
-  /// Load on the relative motion [N, m/s2]. Free and boom: mu ((T + P - D_r - friction)/m_r + D_c/m_c), and with wings
+  /// Load on the relative motion [N, m/s2]. Free and boom: mu ((T + P - D_r - friction)/m_r + D_c/m_c), and
   /// the specific force of the whole vehicle. HELD: m_c g + D_c, and g.
   RelativeLoad relativeLoad(const LumpedState& state, const Trial& trial) const;
-  /// Inertia of the relative motion at u [kg]: mu = m_r m_c / (m_r + m_c), m_c if held, and what the wings add.
+  /// Inertia of the relative motion at u [kg]: mu = m_r m_c / (m_r + m_c), m_c if held, and what arms and wings add.
   double relativeMass(const Trial& trial, double travel) const;
   /// Kinetic and elastic energy of the relative motion, m(u) u'^2/2 + E(u) [J].
   double relativeEnergy(const LumpedState& state, const Trial& trial) const;
@@ -106,9 +108,11 @@ class LumpedModel {
   double ringMass(const Trial& trial) const {
     return parameters_.ring_mass + (trial.mount == Mount::BOOM ? parameters_.boom_mass : 0.0);
   }
-  /// The wings that act in this trial; nullptr: none.
+  /// What moves with the travel in this trial, arms and wings; nullptr: weightless arms without wings.
   /// @throws common::Error if the trial asks for wings and the model has none
-  const WingInertia* wingsOf(const Trial& trial) const;
+  const TravelInertia* inertiaOf(const Trial& trial) const;
+  /// Wings act in this trial. @throws common::Error likewise
+  bool wingsAct(const Trial& trial) const;
   const Potential& potential() const { return *potential_; }
   const common::VehicleParameters& parameters() const { return parameters_; }
   double idleFraction() const { return idle_fraction_; }
@@ -119,7 +123,8 @@ class LumpedModel {
   common::VehicleParameters parameters_;
   double idle_fraction_;
   LumpedSettings settings_;
-  std::shared_ptr<const WingInertia> wing_;
+  std::shared_ptr<const TravelInertia> arms_;
+  std::shared_ptr<const TravelInertia> winged_;  ///< arms and wings; nullptr: no wings
 
   /// Drag and friction on the ring side, and their slope in its speed.
   struct RingResistance {
@@ -128,8 +133,8 @@ class LumpedModel {
   RingResistance ringResistance(double ring_speed, const Trial& trial) const;
   /// Both take what step() has begun: time and thrust at the step's end.
   void plainStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial, LumpedState* next) const;
-  void wingedStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial, const WingInertia& wing,
-                  LumpedState* next) const;
+  void coupledStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
+                   const TravelInertia& moved, LumpedState* next) const;
 };
 
 }  // namespace snapwing::rom

@@ -2,12 +2,13 @@
 /// The computed curves of a vehicle, arms and wings, from which lumped models of many realisations are made at little
 /// cost: they share the coefficients and differ in scales.
 
+#include <memory>
 #include <optional>
 
 #include "snapwing/common/vehicle.h"
 #include "snapwing/rom/energy_spline.h"
 #include "snapwing/rom/lumped_model.h"
-#include "snapwing/rom/wing_inertia.h"
+#include "snapwing/rom/travel_inertia.h"
 
 namespace snapwing::rom {
 
@@ -25,7 +26,8 @@ class VehicleCurves {
 
  private:
   EnergySpline spline_;
-  std::optional<WingInertia> wing_;
+  std::shared_ptr<const TravelInertia> arms_;
+  std::optional<TravelInertia> wing_;
 };
 
 }  // namespace snapwing::rom

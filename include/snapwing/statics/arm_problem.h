@@ -10,6 +10,7 @@
 #include "snapwing/elasticity/material.h"
 #include "snapwing/mpm/density_field.h"
 #include "snapwing/statics/features.h"
+#include "snapwing/statics/moving_mass.h"
 #include "snapwing/statics/path.h"
 
 namespace snapwing::statics {
@@ -37,6 +38,8 @@ class ArmProblem {
   /// Rotation of the bar's outer end about the axle [rad], positive as u grows: the rotation that fits the nodes within
   /// 4 mm of the axle best (least squares).
   double rotation(const Eigen::VectorXd& z, double travel) const;
+  /// Inertia against the travel, with `slope` dz/du of the static path.
+  MovingMass movingMass(const Eigen::VectorXd& slope) const;
   /// Loops of the design's outline, and the same moved.
   std::vector<std::vector<std::array<double, 2>>> restShapes() const { return mpm::outline(field_, 0.5); }
   std::vector<std::vector<std::array<double, 2>>> movedShapes(const Eigen::VectorXd& z, double travel) const;
@@ -45,6 +48,7 @@ class ArmProblem {
   Eigen::VectorXd displacements(const Eigen::VectorXd& z, double travel) const;
 
   common::ArmSettings arm_;
+  double mass_density_;  ///< [kg/m3]
   mpm::DensityField field_;
   std::shared_ptr<mpm::Discretisation<2>> solid_;  ///< the problem's own
   std::unique_ptr<SolidProblem<2>> problem_;

@@ -39,6 +39,7 @@ struct PathPoint {
   bool anchor = false;       ///< what follows does not depend on what came before
   bool by_arc = false;       ///< found by arc length, not at a wanted control
   Eigen::VectorXd solution;  ///< z
+  Eigen::VectorXd slope;     ///< dz/d(control) along the path; kept and left out with the solution
   Eigen::VectorXd multipliers;
 };
 

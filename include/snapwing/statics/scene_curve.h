@@ -14,6 +14,7 @@ struct SceneCurve {
   PathResult path;                            ///< of the problem; forces there are without the multiplicity
   PathResult back;                            ///< empty if not asked for
   std::vector<std::vector<double>> monitors;  ///< per point of `path`
+  std::vector<MovingMass> inertia;            ///< of the whole, per point of `path`
   double multiplicity = 1;
   /// Numbers of points of `path` after which the control turned, and the number of negative pivots changed.
   std::vector<int> limit_points, crossings;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/statics/moving_mass.h"
 #include "snapwing/statics/problem.h"
 #include "snapwing/statics/scene.h"
 #include "snapwing/statics/scene_sensitivity.h"
@@ -35,6 +36,9 @@ class CompiledScene {
   /// One monitor at the solid's nodal displacements. @param gradient  if given, gets the derivative by them, (dofs x 1)
   virtual double monitor(int number, const Eigen::VectorXd& displacements,
                          Eigen::VectorXd* gradient = nullptr) const = 0;
+  /// Inertia of the whole against the control, with `slope` dz/dp along the path. The axis points against the direction
+  /// of the first port: what a frame feels whose port lags behind. Zero coupled mass without a port.
+  virtual MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const = 0;
   /// Share of the material's volume in cells that were left out as slivers.
   virtual double droppedShare() const = 0;
   /// What cells, particles and left out slivers make of the bodies' volume. Costs up to seconds.

@@ -1,4 +1,4 @@
-// A step of the lumped model with wings, whose inertia depends on the travel.
+// A step of the lumped model with arms and wings, whose inertia depends on the travel.
 #include <cmath>
 
 #include "resistance.h"
@@ -8,12 +8,12 @@ namespace snapwing::rom {
 
 namespace {
 
-/// The wings at one travel and the inertia that they give the relative motion.
+/// Arms and wings at one travel and the inertia that they give the relative motion.
 struct Inertia : RelativeInertia {
-  Inertia(const WingInertia& curve, double travel, double centre, double all) : wing(curve.at(travel)) {
-    static_cast<RelativeInertia&>(*this) = relativeInertia(wing, centre, all);
+  Inertia(const TravelInertia& curve, double travel, double centre, double all) : moved(curve.at(travel)) {
+    static_cast<RelativeInertia&>(*this) = relativeInertia(moved, centre, all);
   }
-  WingSample wing;
+  InertiaSample moved;
 };
 
 /// Difference quotient over the step, with its slope in the end travel; for short steps by the slopes at both ends.
@@ -31,27 +31,27 @@ Resistance quotient(double value0, double slope0, double value1, double slope1, 
 //   <m> [w] / dt + [m]/[u] (w0^2 + w1^2) / 4 = - [E]/[u] - c <w> - pins + D_c + m_c g - [H]/[u] g
 //                                              + (m_c - [H]/[u]) P / (m_r + m_c)
 // The left side times [u] is exactly [m w^2 / 2]: without loads and losses the energy is kept to rounding.
-void LumpedModel::wingedStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
-                             const WingInertia& wing, LumpedState* next) const {
+void LumpedModel::coupledStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
+                              const TravelInertia& moved, LumpedState* next) const {
   const common::VehicleParameters& parameters = parameters_;
   const bool held = trial.mount == Mount::HELD;
   const double centre = parameters.centre_mass, g = trial.gravity;
   const double all = held ? INFINITY : ringMass(trial) + centre;
   const double u0 = state.travel, w0 = state.travelRate();
-  const Inertia begin(wing, u0, centre, all);
+  const Inertia begin(moved, u0, centre, all);
   const double p0 = held ? 0.0 : all * state.ring_speed - begin.lag * w0;
   const double energy0 = potential_->energy(u0);
-  const double pins = wing.at(u0 + 0.5 * dt * w0).friction;
+  const double pins = moved.at(u0 + 0.5 * dt * w0).friction;
 
   double p = p0, w = w0, ring = 0;
   Inertia end = begin;
   for (int i = 0; i < 25; ++i) {
     const double u1 = u0 + dt * w, du = u1 - u0, w1 = 2.0 * w - w0;
-    end = Inertia(wing, u1, centre, all);
+    end = Inertia(moved, u1, centre, all);
     const double mass = 0.5 * (begin.mass + end.mass), squares = 0.25 * (w0 * w0 + w1 * w1);
     const Resistance turn = quotient(begin.mass, begin.mass_slope, end.mass, end.mass_slope, du);
     const Resistance coupled =
-        quotient(begin.wing.mass_moment, begin.wing.coupled_mass, end.wing.mass_moment, end.wing.coupled_mass, du);
+        quotient(begin.moved.mass_moment, begin.moved.coupled_mass, end.moved.mass_moment, end.moved.coupled_mass, du);
     const Resistance elastic = elasticForce(*potential_, u0, energy0, u1);
     const Resistance rub = coulomb(pins, w, settings_.friction_speed);
     const double lag = centre - coupled.force, lag_slope = -dt * coupled.slope;
@@ -84,7 +84,7 @@ void LumpedModel::wingedStep(const LumpedState& state, double mean_thrust, doubl
   }
   const double w1 = 2.0 * w - w0, p1 = 2.0 * p - p0;
   next->travel = u0 + dt * w;
-  const Inertia last(wing, next->travel, centre, all);
+  const Inertia last(moved, next->travel, centre, all);
   if (!held) {
     next->ring_speed = (p1 + last.lag * w1) / all;
     next->position = state.position + dt * ring;

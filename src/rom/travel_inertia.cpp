@@ -1,4 +1,4 @@
-#include "snapwing/rom/wing_inertia.h"
+#include "snapwing/rom/travel_inertia.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ void requireScale(bool good, const char* name, double value, const char* allowed
 }  // namespace
 
 /// Cubic pieces c0 + c1 t + c2 t^2 + c3 t^3, t in [0, 1] within an interval.
-struct WingInertia::Curve {
+struct TravelInertia::Curve {
   struct Piece {
     double kinetic[4], coupled[4];
     double moment;  ///< H at the interval's begin
@@ -42,7 +42,11 @@ struct WingInertia::Curve {
   double moment_end = 0;
   double uniform_inverse = 0;  ///< 1/h if the knots are equally spaced, else 0
 
-  explicit Curve(const common::WingTable& table);
+  /// @param friction  empty: none
+  Curve(std::vector<double> at, const std::vector<double>& kinetic_mass, const std::vector<double>& coupled_mass,
+        const std::vector<double>& friction);
+  /// Adds what is there at u.
+  void add(double u, double inertia_scale, double friction_scale, InertiaSample* sum) const;
   std::size_t intervalOf(double u) const {
     if (uniform_inverse > 0) {
       return std::min<std::size_t>(static_cast<std::size_t>((u - travel.front()) * uniform_inverse), pieces.size() - 1);
@@ -81,67 +85,98 @@ void requireColumns(const common::WingTable& t) {
 
 }  // namespace
 
-WingInertia::Curve::Curve(const common::WingTable& table) : travel(table.travel) {
-  requireColumns(table);
-  const auto kinetic = monotoneSlopes(travel, table.kinetic_mass);
-  const auto coupled = monotoneSlopes(travel, table.coupled_mass);
+TravelInertia::Curve::Curve(std::vector<double> at, const std::vector<double>& kinetic_mass,
+                            const std::vector<double>& coupled_mass, const std::vector<double>& friction)
+    : travel(std::move(at)) {
+  const auto kinetic = monotoneSlopes(travel, kinetic_mass);
+  const auto coupled = monotoneSlopes(travel, coupled_mass);
   double narrowest = INFINITY, widest = 0;
   for (std::size_t i = 0; i + 1 < travel.size(); ++i) {
     const double h = travel[i + 1] - travel[i];
     narrowest = std::min(narrowest, h);
     widest = std::max(widest, h);
     Piece piece;
-    setPiece(piece.kinetic, table.kinetic_mass[i], table.kinetic_mass[i + 1], h * kinetic[i], h * kinetic[i + 1]);
-    setPiece(piece.coupled, table.coupled_mass[i], table.coupled_mass[i + 1], h * coupled[i], h * coupled[i + 1]);
+    setPiece(piece.kinetic, kinetic_mass[i], kinetic_mass[i + 1], h * kinetic[i], h * kinetic[i + 1]);
+    setPiece(piece.coupled, coupled_mass[i], coupled_mass[i + 1], h * coupled[i], h * coupled[i + 1]);
     piece.moment = moment_end;
     moment_end += h * integral(piece.coupled, 1.0);
-    piece.friction0 = table.friction_force[i];
-    piece.friction1 = table.friction_force[i + 1];
+    piece.friction0 = friction.empty() ? 0.0 : friction[i];
+    piece.friction1 = friction.empty() ? 0.0 : friction[i + 1];
     pieces.push_back(piece);
   }
   if (widest - narrowest < 1e-9 * widest) uniform_inverse = pieces.size() / (travel.back() - travel.front());
 }
 
-RelativeInertia relativeInertia(const WingSample& wing, double centre, double all) {
+RelativeInertia relativeInertia(const InertiaSample& moved, double centre, double all) {
   RelativeInertia r;
-  r.lag = centre - wing.coupled_mass;
+  r.lag = centre - moved.coupled_mass;
   r.share = std::isinf(all) ? 0.0 : r.lag / all;
-  r.mass = centre + wing.kinetic_mass - r.share * r.lag;
-  r.mass_slope = wing.kinetic_slope + 2.0 * r.share * wing.coupled_slope;
+  r.mass = centre + moved.kinetic_mass - r.share * r.lag;
+  r.mass_slope = moved.kinetic_slope + 2.0 * r.share * moved.coupled_slope;
   return r;
 }
 
-WingInertia::WingInertia(const common::WingTable& table, double inertia_scale, double friction_scale)
-    : curve_(std::make_shared<const Curve>(table)) {
+namespace {
+
+std::vector<double> times(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+}  // namespace
+
+TravelInertia::TravelInertia(const common::ForceTable& table) {
+  table.validate();
+  const double arms = table.arm_count;
+  parts_.push_back({std::make_shared<const Curve>(table.travel, times(table.kinetic_mass, arms),
+                                                  times(table.coupled_mass, arms), std::vector<double>())});
+}
+
+TravelInertia::TravelInertia(const common::WingTable& table, double inertia_scale, double friction_scale) {
+  requireColumns(table);
+  parts_.push_back(
+      {std::make_shared<const Curve>(table.travel, table.kinetic_mass, table.coupled_mass, table.friction_force)});
   *this = scaled(inertia_scale, friction_scale);
 }
 
-WingInertia WingInertia::scaled(double inertia_scale, double friction_scale) const {
+TravelInertia TravelInertia::scaled(double inertia_scale, double friction_scale) const {
   requireScale(inertia_scale > 0 && std::isfinite(inertia_scale), "wing inertia scale", inertia_scale, "above 0");
   requireScale(friction_scale >= 0 && std::isfinite(friction_scale), "wing friction scale", friction_scale,
                "0 or more");
-  WingInertia other = *this;
-  other.inertia_scale_ = inertia_scale;
-  other.friction_scale_ = friction_scale;
+  TravelInertia other = *this;
+  for (Part& part : other.parts_) {
+    part.inertia_scale = inertia_scale;
+    part.friction_scale = friction_scale;
+  }
   return other;
 }
 
-WingSample WingInertia::at(double u) const {
-  const Curve& c = *curve_;
-  const double inside = std::clamp(u, c.travel.front(), c.travel.back());
-  const std::size_t i = c.intervalOf(inside);
-  const double h = c.travel[i + 1] - c.travel[i], t = (inside - c.travel[i]) / h;
-  const Curve::Piece& piece = c.pieces[i];
-  WingSample s;
-  s.kinetic_mass = inertia_scale_ * value(piece.kinetic, t);
-  s.coupled_mass = inertia_scale_ * value(piece.coupled, t);
+TravelInertia TravelInertia::operator+(const TravelInertia& other) const {
+  TravelInertia sum = *this;
+  sum.parts_.insert(sum.parts_.end(), other.parts_.begin(), other.parts_.end());
+  return sum;
+}
+
+InertiaSample TravelInertia::at(double u) const {
+  InertiaSample sum;
+  for (const Part& part : parts_) part.curve->add(u, part.inertia_scale, part.friction_scale, &sum);
+  return sum;
+}
+
+void TravelInertia::Curve::add(double u, double inertia_scale, double friction_scale, InertiaSample* sum) const {
+  const double inside = std::clamp(u, travel.front(), travel.back());
+  const std::size_t i = intervalOf(inside);
+  const double h = travel[i + 1] - travel[i], t = (inside - travel[i]) / h;
+  const Piece& piece = pieces[i];
+  const double coupled = value(piece.coupled, t);
+  sum->kinetic_mass += inertia_scale * value(piece.kinetic, t);
+  sum->coupled_mass += inertia_scale * coupled;
   if (u == inside) {
-    s.kinetic_slope = inertia_scale_ * slope(piece.kinetic, t) / h;
-    s.coupled_slope = inertia_scale_ * slope(piece.coupled, t) / h;
+    sum->kinetic_slope += inertia_scale * slope(piece.kinetic, t) / h;
+    sum->coupled_slope += inertia_scale * slope(piece.coupled, t) / h;
   }
-  s.mass_moment = inertia_scale_ * (piece.moment + h * integral(piece.coupled, t)) + s.coupled_mass * (u - inside);
-  s.friction = friction_scale_ * (piece.friction0 + t * (piece.friction1 - piece.friction0));
-  return s;
+  sum->mass_moment += inertia_scale * (piece.moment + h * integral(piece.coupled, t) + coupled * (u - inside));
+  sum->friction += friction_scale * (piece.friction0 + t * (piece.friction1 - piece.friction0));
 }
 
 }  // namespace snapwing::rom
