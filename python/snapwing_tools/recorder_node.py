@@ -71,6 +71,13 @@ class Recording:
     def save(self, ended=None):
         self.buffer.save(self.output, ended or self.ended)
 
+    def autosave(self):
+        """A full disk now is no reason to lose what comes: the next save holds everything."""
+        try:
+            self.save()
+        except InputError as error:
+            rospy.logwarn("not saved now: %s", error)
+
     def answer(self, _):
         """Service ~save."""
         self.ended = "saved on request"
@@ -102,7 +109,7 @@ def record(output, period, vehicle_file):
     while not rospy.is_shutdown():
         time.sleep(0.1)
         if time.monotonic() - saved >= period:
-            recording.save()
+            recording.autosave()
             saved = time.monotonic()
     service.shutdown()
     for subscriber in subscribers:

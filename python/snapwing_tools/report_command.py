@@ -11,6 +11,7 @@ from snapwing_tools import style
 from snapwing_tools.analysis import EXPECTED
 from snapwing_tools.command_line import CommandLine, find_program
 from snapwing_tools.errors import InputError
+from snapwing_tools.output_file import OutputFiles, printing, require_folder, write_file
 from snapwing_tools.report import Inputs, Report, terminal_summary
 from snapwing_tools.run_file import read_run
 
@@ -46,10 +47,21 @@ def parser():
 def main(arguments=None):
     options = parser().parse_args(arguments)
     try:
-        return run(options, sys.argv[1:] if arguments is None else arguments)
+        check_outputs(options)
+        given = sys.argv[1:] if arguments is None else arguments
+        return printing(lambda: run(options, given), "make_report")
     except InputError as error:
         print("make_report: {}".format(error), file=sys.stderr)
         return 2
+
+
+def check_outputs(options):
+    """Before the work, which may take minutes."""
+    given = [path for _, path in options.map + options.trajectory]
+    files = OutputFiles([options.run, options.summary, options.vehicle, options.table, options.snapwing] + given)
+    files.writes(options.output, "--output")
+    if options.figures:
+        require_folder(options.figures)
 
 
 def run(options, arguments):
@@ -59,7 +71,7 @@ def run(options, arguments):
     figures = report.figures()
     if options.figures:
         save_figures(options.figures, figures)
-    write_text(options.output, report.html(figures))
+    write_file(options.output, report.html(figures))
     print(terminal_summary(report, os.path.abspath(options.output)))
     return 1 if options.require_success and not report.verdict.good else 0
 
@@ -157,18 +169,7 @@ def _try(made, name, what, failure, place, read):
 def save_figures(folder, figures):
     try:
         os.makedirs(folder, exist_ok=True)
-        for name, _, _, fig in figures:
-            style.save_png(fig, os.path.join(folder, name + ".png"))
     except OSError as error:
         raise InputError("cannot write figures to {}: {}".format(folder, error.strerror))
-
-
-def write_text(path, text):
-    """Replaces a file in one step."""
-    partial = "{}.part{}".format(path, os.getpid())
-    try:
-        with open(partial, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError("cannot write {}: {}".format(path, error.strerror))
+    for name, _, _, fig in figures:
+        write_file(os.path.join(folder, name + ".png"), style.png_bytes(fig))

@@ -8,14 +8,15 @@ Layout (format "snapwing_run", version 1)
 A file is replaced in one step, so that a reader never sees half of one.
 """
 
+import io
 import os
-import tempfile
 
 import h5py
 import numpy as np
 
 from snapwing_tools import topics
 from snapwing_tools.errors import InputError
+from snapwing_tools.output_file import write_file
 
 FORMAT = "snapwing_run"
 FORMAT_VERSION = 1
@@ -63,23 +64,14 @@ def column_array(column, values):
 
 
 def write_run(path, run):
-    """Writes a run atomically. Raises InputError if the place cannot be written."""
-    folder = os.path.dirname(os.path.abspath(path))
+    """Writes a run whole or not at all: HDF5 makes it in memory. Raises InputError if the place cannot be written."""
+    stream = io.BytesIO()
     try:
-        handle, temporary = tempfile.mkstemp(prefix=".run_", suffix=".h5", dir=folder)
-        os.close(handle)
-    except OSError as error:
-        raise InputError("cannot write {}: {}".format(path, error.strerror))
-    try:
-        with h5py.File(temporary, "w") as file:
+        with h5py.File(stream, "w") as file:
             _fill(file, run)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
     except OSError as error:
         raise InputError("cannot write {}: {}".format(path, error))
-    finally:
-        if os.path.exists(temporary):
-            os.unlink(temporary)
+    write_file(path, stream.getvalue())
 
 
 def _fill(file, run):

@@ -18,6 +18,7 @@ from snapwing.srv import Arm, ArmRequest, PredictSnap
 from snapwing_tools import seal
 from snapwing_tools.after_run import make_report
 from snapwing_tools.errors import InputError
+from snapwing_tools.output_file import OutputFiles, printing, require_folder, write_file
 from snapwing_tools.scenario_summary import Outcome, Switch, TruthSample, happened, table, write_result
 
 FIXED_WING, QUADROTOR = ModeState.FIXED_WING, ModeState.QUADROTOR
@@ -340,18 +341,34 @@ def parse_options(arguments):
 
 def write_outcome(outcome, folder):
     os.makedirs(folder, exist_ok=True)
-    with open(os.path.join(folder, "summary.txt"), "w", encoding="utf-8") as stream:
-        stream.write(table(outcome) + "\n")
+    write_file(os.path.join(folder, "summary.txt"), table(outcome) + "\n")
     write_result(outcome, os.path.join(folder, "run_summary.json"))
+
+
+def check_outputs(options):
+    if options.output_dir:
+        require_folder(options.output_dir)
+        for name in ("summary.txt", "run_summary.json"):
+            if os.path.isdir(options.output_dir):
+                OutputFiles().writes(os.path.join(options.output_dir, name), "--output-dir")
 
 
 def main():
     options = parse_options(rospy.myargv(argv=sys.argv)[1:])
+    try:
+        check_outputs(options)
+        return printing(lambda: play(options), "run_scenario")
+    except InputError as error:
+        print("run_scenario: {}".format(error), file=sys.stderr)
+        return 2
+
+
+def play(options):
     rospy.init_node("scenario", anonymous=False)
     outcome = Scenario(options).run()
-    print("\n" + table(outcome) + "\n", flush=True)
     if options.output_dir:
         write_outcome(outcome, options.output_dir)
+    print("\n" + table(outcome) + "\n")
     if options.report:
         say("making the report")
         problem = make_report(options.output_dir, options.report, options.mount)

@@ -2,9 +2,10 @@
 
 import json
 import math
-import os
 from dataclasses import asdict, dataclass, field
 from typing import List, Optional
+
+from snapwing_tools.output_file import write_file
 
 MODE_NAMES = {0: "unknown", 1: "F", 2: "Q"}
 NAN = float("nan")
@@ -184,7 +185,4 @@ def write_result(outcome, path):
                    rung=next((switch.rung for switch in outcome.switches if switch.rung), ""))
     for entry, switch in zip(content["switches"], outcome.switches):
         entry.update(name=arrow(switch).replace(" ", ""), ok=not switch.trouble(), reason=switch.trouble())
-    temporary = f"{path}.part"
-    with open(temporary, "w", encoding="utf-8") as stream:
-        json.dump(content, stream, indent=2)
-    os.replace(temporary, path)
+    write_file(path, json.dumps(content, indent=2))

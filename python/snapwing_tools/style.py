@@ -66,9 +66,11 @@ def svg_text(fig):
     return text
 
 
-def save_png(fig, path):
+def png_bytes(fig):
     """The figure on light paper, as a picture. Leaves the figure open."""
-    fig.savefig(path, format="png", facecolor="white")
+    stream = io.BytesIO()
+    fig.savefig(stream, format="png", facecolor="white")
+    return stream.getvalue()
 
 
 def css_variables(index):
