@@ -4,10 +4,12 @@ A name is followed through links. Pipes, terminals, /dev/null and /dev/stdout ar
 regular file is replaced in one step."""
 
 import contextlib
+import errno
 import io
 import os
 import stat
 import sys
+import time
 
 from snapwing_tools.errors import InputError
 
@@ -127,10 +129,28 @@ def save_picture(figure, path, dpi=100):
     write_file(path, stream.getvalue())
 
 
+def _open_through(path, pipe):
+    """Opens what is there. A pipe without a reader would hold the program for ever: it waits a minute."""
+    flags = os.O_WRONLY | os.O_NOCTTY
+    end = time.monotonic() + 60
+    while pipe:
+        try:
+            file = os.open(path, flags | os.O_NONBLOCK)
+            os.set_blocking(file, True)
+            return file
+        except OSError as error:
+            if error.errno != errno.ENXIO:
+                raise
+            if time.monotonic() > end:
+                raise InputError("cannot write {}: nobody reads from this pipe".format(path))
+            time.sleep(0.05)
+    return os.open(path, flags)
+
+
 def _write_through(path, status, data):
     sys.stdout.flush()
     number = _stream_of(status)
-    file = os.dup(number) if number is not None else os.open(path, os.O_WRONLY | os.O_NOCTTY)
+    file = os.dup(number) if number is not None else _open_through(path, stat.S_ISFIFO(status.st_mode))
     with os.fdopen(file, "wb") as stream:
         stream.write(data)
 

@@ -60,10 +60,24 @@ bool writeAll(int fd, const std::string& bytes) {
   return true;
 }
 
+/// Opens what is there. A pipe without a reader would hold the program for ever, deaf to Ctrl-C: it waits a minute.
+int openThrough(const std::string& path, bool pipe) {
+  constexpr int FLAGS = O_WRONLY | O_CLOEXEC | O_NOCTTY;
+  if (!pipe) return ::open(path.c_str(), FLAGS);
+  constexpr int TRIES = 1200, WAIT = 50000;  // [us]
+  for (int k = 0; k < TRIES; ++k) {
+    const int fd = ::open(path.c_str(), FLAGS | O_NONBLOCK);
+    if (fd >= 0) ::fcntl(fd, F_SETFL, O_WRONLY);  // from here on it waits for its reader
+    if (fd >= 0 || errno != ENXIO) return fd;
+    ::usleep(WAIT);
+  }
+  throw FileError(path, "cannot be written: nobody reads from this pipe");
+}
+
 void writeThrough(const std::string& path, const struct stat& at, const std::string& bytes) {
   std::fflush(nullptr);  // what was printed before comes before
   const int stream = streamOf(at);
-  Descriptor file(stream >= 0 ? ::dup(stream) : ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+  Descriptor file(stream >= 0 ? ::dup(stream) : openThrough(path, S_ISFIFO(at.st_mode)));
   if (file.get() < 0 || !writeAll(file.get(), bytes) || !file.close())
     throw FileError(path, "cannot be written: " + reason());
 }

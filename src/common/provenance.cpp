@@ -25,6 +25,13 @@ std::string sha256(const std::string& bytes) {
 
 std::string sha256OfFile(const std::string& path) { return sha256(readFile(path)); }
 
+std::string sha256OfInputs(const std::string& path, const std::vector<std::string>& named) {
+  std::string hashes = sha256OfFile(path);
+  if (named.empty()) return hashes;
+  for (const std::string& file : named) hashes += sha256OfFile(file);
+  return sha256(hashes);
+}
+
 std::string version() { return SNAPWING_VERSION; }
 
 namespace {

@@ -62,7 +62,7 @@ void refuseDuplicates(const YAML::Node& node, const std::string& where, const st
 
 void appendContent(const YAML::Node& node, const std::string& path, const std::set<std::string>& except,
                    std::string& text) {
-  if (except.count(path)) return;
+  if (except.count(path) || except.count("*" + path.substr(std::min(path.rfind('.'), path.size())))) return;
   if (node.IsMap()) {
     std::map<std::string, YAML::Node> sorted;
     for (const auto& entry : node) sorted.emplace(entry.first.Scalar(), entry.second);

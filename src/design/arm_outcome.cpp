@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
 
 namespace snapwing::design {
@@ -137,17 +138,22 @@ void finish(const ArmDesignSettings& s, const mpm::DensityField& field, const Ar
     if (job.printed) job.printed(parts);
   }
   if (run) report["optimizer"] = describe(s, *run);
-  common::writeFileAtomically(job.folder + "/report.json", report.dump(2) + "\n");
+  common::writeFileAtomically(job.folder + "/report.json", common::jsonText(report));
 }
 
 }  // namespace
 
+std::vector<std::string> armOutcomeFiles() {
+  return {"density.csv", "body.csv", "table.h5", "report.json", "history.csv", "history.h5", "checkpoint.h5"};
+}
+
 ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job) {
-  std::filesystem::create_directories(job.folder);
+  common::makeFolder(job.folder);
   ArmRunOptions options;
   options.folder = job.folder;
   options.resume = job.resume;
   options.progress = job.progress;
+  options.warning = job.warning;
   const ArmRun run = runArmDesign(settings, options);
   if (job.optimized) job.optimized(run);
   ArmOutcome outcome;
@@ -163,7 +169,7 @@ ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job) {
 }
 
 ArmOutcome checkArmDensity(const ArmDesignSettings& settings, const mpm::DensityField& field, const ArmJob& job) {
-  std::filesystem::create_directories(job.folder);
+  common::makeFolder(job.folder);
   ArmOutcome outcome;
   outcome.folder = job.folder;
   finish(settings, field, nullptr, job, outcome);

@@ -109,14 +109,14 @@ std::string svgOf(const std::vector<Loop>& loops, const std::vector<std::array<d
 }
 
 void saveOutline(const ArmShape& shape, const std::string& folder) {
-  std::filesystem::create_directories(folder);
+  common::makeFolder(folder);
   common::writeFileAtomically(folder + "/outline.dxf", dxfOf(shape.loops(), {}));
   common::writeFileAtomically(folder + "/outline.svg", svgOf(shape.loops(), {}));
 }
 
 ArmPartsReport saveArmParts(const common::Vehicle& vehicle, const ArmShape& shape, const std::string& folder) {
   constexpr double AXLE_HOLE = 0.0015, SCREW_HOLE = 0.0016, CLEARANCE = 0.0002;  // [m]
-  std::filesystem::create_directories(folder);
+  common::makeFolder(folder);
   const common::ArmSettings& arm = vehicle.arm;
   const common::Geometry& g = vehicle.geometry;
   ArmPartsReport report;

@@ -77,7 +77,7 @@ class Runner {
  private:
   std::string checkpointFile() const { return options_.folder + "/checkpoint.h5"; }
   void loadCheckpoint();
-  void saveCheckpoint(const ArmTopology& problem, const OptimizerState& state) const;
+  void saveCheckpoint(const ArmTopology& problem, const OptimizerState& state);
   void saveHistory() const;
   bool onIteration(const ArmTopology& problem, const OptimizerReport& report, const OptimizerState& state);
   void runStage();
@@ -87,12 +87,13 @@ class Runner {
   ArmRun run_;
   int stage_ = 0, before_ = 0;  ///< iterations of earlier stages
   double seconds_before_ = 0;
+  bool warned_ = false;
   OptimizerState start_;
   std::map<std::string, Eigen::VectorXd> warm_, frames_;
   mpm::DensityField variables_;  ///< end of the stage before
 };
 
-void Runner::saveCheckpoint(const ArmTopology& problem, const OptimizerState& state) const {
+void Runner::saveCheckpoint(const ArmTopology& problem, const OptimizerState& state) {
   ArrayFile file;
   file.arrays = problem.warmStates();
   file.arrays.insert(frames_.begin(), frames_.end());
@@ -101,7 +102,13 @@ void Runner::saveCheckpoint(const ArmTopology& problem, const OptimizerState& st
   file.arrays["place"] = Eigen::Vector2d(stage_, state.iteration);
   file.arrays["history"] = packed(run_.history, run_.travels.size());
   file.notes["inputs_sha256"] = settings_.hash();
-  saveArrays(file, checkpointFile());
+  try {
+    saveArrays(file, checkpointFile());
+  } catch (const common::FileError& e) {
+    // The design does not depend on it.
+    if (options_.warning && !warned_) options_.warning(std::string("no checkpoint: ") + e.what());
+    warned_ = true;
+  }
 }
 
 void Runner::loadCheckpoint() {
@@ -218,7 +225,7 @@ void Runner::saveHistory() const {
 ArmRun Runner::run() {
   const std::clock_t begin = std::clock();
   run_.travels = ArmTopology(settings_).travels();
-  if (!options_.folder.empty()) std::filesystem::create_directories(options_.folder);
+  if (!options_.folder.empty()) common::makeFolder(options_.folder);
   if (options_.resume && std::filesystem::exists(checkpointFile())) loadCheckpoint();
   for (int stage = 0; stage < stage_; ++stage) before_ += settings_.stages[stage].iterations;
   for (const int count = static_cast<int>(settings_.stages.size());; ++stage_) {

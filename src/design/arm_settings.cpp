@@ -200,6 +200,8 @@ ArmDesignSettings loadArmDesignSettings(const std::string& path) {
   readRun(root, s);
   readWishes(root, s);
   root.finish();
+  s.named_files = root.namedFiles();
+  s.named_files.insert(s.named_files.end(), s.scene.named_files.begin(), s.scene.named_files.end());
   s.inputs_sha256 = common::sha256(common::sha256OfFile(path) + s.inputs_sha256);
   return s;
 }

@@ -91,7 +91,7 @@ WingOutcome designWingInto(const WingSettings& s, const WingJob& job) {
     o.barrier_back = common::curveFeatures(common::loadForceTable(vehicle.arm.table_file)).barrier_back;
   }
   const std::filesystem::path folder(job.folder);
-  std::filesystem::create_directories(folder);
+  common::makeFolder(folder.string());
   saveWing(o.layout, s, o.design, o.stack, (folder / "wing.yaml").string());
   saveParts(o.layout, o.stack, (folder / "parts").string());
   saveWingTable(o.table, (folder / "wing_table.h5").string());

@@ -239,7 +239,7 @@ std::string partList(const WingLayout& w, const StackPlan& plan) {
 
 void saveParts(const WingLayout& layout, const StackPlan& plan, const std::string& folder) {
   const std::filesystem::path root(folder);
-  std::filesystem::create_directories(root);
+  common::makeFolder(root.string());
   for (const WingPart& part : partsOf(layout)) {
     common::writeFileAtomically((root / (part.name + ".stl")).string(), stlOf(meshOf(part.bar), part.name));
     common::writeFileAtomically((root / (part.name + ".dxf")).string(), dxfOf(part.bar));

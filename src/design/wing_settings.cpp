@@ -206,6 +206,7 @@ WingSettings loadWingSettings(const std::string& path) {
   if (reader.has("blade")) readBlade(reader.map("blade"), &s.blade);
   if (reader.has("layers")) readStack(reader.map("layers"), &s.stack);
   reader.finish();
+  s.named_files = reader.namedFiles();
   s.validate();
   return s;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <sstream>
 
@@ -141,7 +142,8 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
   return plan.accepted ? plan : refused(plan, reason);
 }
 
-OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int throttles, int durations) const {
+OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int throttles, int durations,
+                             const std::function<void(int done, int all)>& progress) const {
   trial.validate();
   if (throttles < 1 || durations < 1) throw common::Error("outcome map: sides must have 1 pulse or more");
   OutcomeMap map;
@@ -155,11 +157,15 @@ OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int th
   for (int i = 0; i < throttles; ++i) map.throttles.push_back(gridValue(s.throttle_min, s.throttle_max, i, throttles));
   for (int j = 0; j < durations; ++j) map.durations.push_back(gridValue(s.duration_min, s.duration_max, j, durations));
   map.cells.resize(static_cast<std::size_t>(throttles) * durations);
+  std::mutex telling;
+  int done = 0;
   common::parallelFor(throttles * durations, s.threads, [&](int k) {
     const common::Pulse pulse{map.throttles[k / durations], map.durations[k % durations]};
     const FleetOutcome outcome = fleet.tryPulse(start, pulse, trial, -INFINITY, 1);
     map.cells[k] = {pulse.throttle, pulse.duration, static_cast<double>(outcome.switched) / outcome.tried,
                     outcome.worst};
+    const std::lock_guard<std::mutex> lock(telling);
+    if (++done; progress) progress(done, throttles * durations);
   });
   return map;
 }

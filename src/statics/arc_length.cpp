@@ -21,6 +21,7 @@ class ArcFollower {
   /// @param fresh  the start is a first guess at a point that is to be recorded
   ArcResult run(const Equilibrium& start, bool fresh) {
     begin_ = secondsNow();
+    factorizations_before_ = solver_.cholesky().factorizations();
     x_ = start;
     const double direction = settings_.end >= x_.p(0) ? 1 : -1;
     if (fresh) {
@@ -160,6 +161,7 @@ class ArcFollower {
       text << message << " at control " << x_.p(0);
       result_.path.message = text.str();
     }
+    result_.path.factorizations = solver_.cholesky().factorizations() - factorizations_before_;
     result_.path.seconds = secondsNow() - begin_;
     result_.path.seconds_assembly = solver_.secondsAssembly();
     result_.path.seconds_factor = solver_.cholesky().secondsFactor();
@@ -174,7 +176,7 @@ class ArcFollower {
   Equilibrium x_;
   Eigen::VectorXd t_z_;
   double begin_ = 0, w_ = 1, t_p_ = 1, last_t_p_ = 1;
-  int last_negative_ = 0, last_factorizations_ = 0;
+  int last_negative_ = 0, last_factorizations_ = 0, factorizations_before_ = 0;
   ArcResult result_;
 };
 

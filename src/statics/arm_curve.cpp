@@ -80,6 +80,9 @@ ArmCurve traceArm(const ArmProblem& arm, const ArmCurveSettings& settings) {
     const PathResult down = follow(up.points.front().solution, below);
     for (std::size_t k = down.points.size(); k-- > 1;) append(curve.table, arm, down.points[k]);
   }
+  if (settings.locate && curve.status == SolveStatus::CONVERGED) {
+    curve.located = locateFeaturesOf(arm.problem(), settings.path.newton, up.points);
+  }
   const std::size_t first = curve.table.travel.size();
   for (const PathPoint& point : up.points) append(curve.table, arm, point);
   if (settings.back && curve.status == SolveStatus::CONVERGED) {

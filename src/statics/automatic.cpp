@@ -134,6 +134,7 @@ class AutomaticFollower {
 
   PathResult finish() {
     const EquilibriumSolver& solver = follower_.solver();
+    whole_.factorizations = solver.cholesky().factorizations();
     whole_.seconds = secondsNow() - begin_;
     whole_.seconds_assembly = solver.secondsAssembly();
     whole_.seconds_factor = solver.cholesky().secondsFactor();

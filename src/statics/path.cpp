@@ -163,6 +163,7 @@ void PathFollower::followTargets(const std::vector<double>& targets, std::size_t
 }
 
 PathResult PathFollower::finish(double begin) {
+  result_.factorizations = solver_.cholesky().factorizations() - factorizations_before_;  // with those of detours
   result_.seconds = secondsNow() - begin;
   result_.seconds_assembly = solver_.secondsAssembly();
   result_.seconds_factor = solver_.cholesky().secondsFactor();
@@ -174,6 +175,7 @@ PathResult PathFollower::finish(double begin) {
 PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<double>& targets) {
   if (targets.empty()) throw common::Error("a path needs at least one target");
   result_ = {};
+  factorizations_before_ = solver_.cholesky().factorizations();
   const double now = secondsNow();
   NewtonResult last;
   result_.status = SolveStatus::CONVERGED;
@@ -187,6 +189,7 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
 
 PathResult PathFollower::followFrom(const Equilibrium& start, const std::vector<double>& targets) {
   result_ = {};
+  factorizations_before_ = solver_.cholesky().factorizations();
   const double now = secondsNow();
   NewtonResult last;
   result_.status = SolveStatus::CONVERGED;

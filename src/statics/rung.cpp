@@ -34,7 +34,7 @@ void readTrade(const std::string& path, std::vector<TradeRow>& rows) {
     if (column.empty()) {
       width = fields.size();
       for (std::size_t k = 0; k < width; ++k) column.emplace(fields[k], k);
-      for (const char* name : {"scene", "rung", "kernel", "cell_size_m", "seconds"}) {
+      for (const char* name : {"scene", "content_sha256", "rung", "kernel", "cell_size_m", "seconds"}) {
         if (!column.count(name)) return;
       }
       if (!column.count("error") && !column.count("error_percent")) return;
@@ -49,7 +49,8 @@ void readTrade(const std::string& path, std::vector<TradeRow>& rows) {
       const auto found = column.find(name);
       return found == column.end() ? std::string() : fields[found->second];
     };
-    TradeRow row{field("scene"), field("rung"), field("kernel"), std::filesystem::path(path).filename().string()};
+    TradeRow row{field("scene"), field("content_sha256"), field("rung"), field("kernel"),
+                 std::filesystem::path(path).filename().string()};
     row.cell_size = toNumber(field("cell_size_m"));
     row.seconds = toNumber(field("seconds"));
     row.error = column.count("error") ? toNumber(field("error")) : 0.01 * toNumber(field("error_percent"));
@@ -133,12 +134,16 @@ std::vector<TradeRow> loadTrade(const std::string& folder) {
   return rows;
 }
 
-TradeRow chooseRow(const std::vector<TradeRow>& rows, const std::string& scene, std::optional<double> error,
+TradeRow chooseRow(const std::vector<TradeRow>& rows, const Scene& scene, std::optional<double> error,
                    std::optional<double> seconds) {
   const TradeRow* best = nullptr;
+  bool same_name = false;
   std::ostringstream measured;
   for (const TradeRow& row : rows) {
-    if (row.scene != scene) continue;
+    if (row.content_sha256.empty() || row.content_sha256 != scene.content_sha256) {
+      same_name = same_name || row.scene == scene.name;
+      continue;
+    }
     measured << "\n  " << row.rung << ", " << row.kernel << ", " << 1e3 * row.cell_size << " mm: error "
              << 100 * row.error << " %, " << row.seconds << " s (" << row.file << ")";
     if ((error && row.error > *error) || (seconds && row.seconds > *seconds)) continue;
@@ -146,9 +151,17 @@ TradeRow chooseRow(const std::vector<TradeRow>& rows, const std::string& scene, 
     if (better) best = &row;
   }
   if (best != nullptr) return *best;
-  if (measured.str().empty())
-    throw common::Error("nothing was measured on scene '" + scene + "': name rung and resolution");
-  throw common::Error("no measured rung of scene '" + scene + "' satisfies what is asked; measured:" + measured.str());
+  if (!measured.str().empty()) {
+    throw common::Error("no measured rung of scene '" + scene.name +
+                        "' satisfies what is asked; measured:" + measured.str());
+  }
+  throw common::Error(
+      "no error was measured on this scene's bodies, material and loads" +
+      std::string(same_name ? ": what was measured under the name '" + scene.name + "' is another scene" : "") +
+      ". Measure it: trace the scene with --cell-size h, h/2 and h/4, take the finest as the reference, and write a "
+      "CSV file into a folder for --trade with the columns scene, content_sha256 (here " +
+      (scene.content_sha256.empty() ? "none: a vehicle's arm cannot be measured so" : scene.content_sha256) +
+      "), rung, kernel, cell_size_m, error, seconds. Or choose yourself with --rung and --resolution");
 }
 
 }  // namespace snapwing::statics

@@ -186,6 +186,16 @@ void readNumerics(SettingsReader& r, Scene& scene, const Reading& in) {
   scene.interpolation.void_stiffness = r.numberOr("void_stiffness", 1e-6, {1e-12, 0.1}, "1");
 }
 
+void identify(const SettingsReader& r, Scene& scene) {
+  scene.named_files = r.namedFiles();
+  scene.sha256 = common::sha256OfInputs(scene.file, scene.named_files);
+  std::string content =
+      r.content({"scene", "kernel", "cell_size", "particles", "smallest_fraction", "drive", "use_symmetry", "monitors",
+                 "path.steps", "path.back", "pins[].kind", "pins[].radius", "*.name", "*.file"});
+  for (const std::string& file : scene.named_files) content += common::sha256OfFile(file);
+  scene.content_sha256 = common::sha256(content);
+}
+
 }  // namespace
 
 double SceneBody::thicknessAt(double x, double y) const {
@@ -202,7 +212,6 @@ Scene loadScene(const std::string& path) {
   SettingsReader r = SettingsReader::fromFile(path);
   Scene scene;
   scene.file = path;
-  scene.sha256 = common::sha256OfFile(path);
   scene.name = r.text("scene");
   Reading in;
   in.unit_name = r.choice("length_unit", {"m", "mm"});
@@ -233,6 +242,7 @@ Scene loadScene(const std::string& path) {
   readMonitors(r, scene, in);
   readPath(r, scene, in);
   r.finish();
+  identify(r, scene);
   return scene;
 }
 

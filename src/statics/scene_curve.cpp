@@ -8,13 +8,25 @@
 
 namespace snapwing::statics {
 
+namespace {
+
+/// As RFC 4180 has it: quoted if it holds a comma, a quote or a line's end.
+std::string csvField(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
 std::string SceneCurve::csv(const Scene& scene) const {
   std::ostringstream text;
   text.precision(12);
   text << (scene.control_is_length ? "displacement_m,force_N,stiffness_N_per_m"
                                    : "load_factor,work_per_factor_J,slope_J")
        << ",energy_J,stable,negative_pivots,min_det_f,iterations,by_arc";
-  for (const SceneMonitor& m : scene.monitors) text << "," << m.name << (m.radius > 0 ? "_rad" : "_m");
+  for (const SceneMonitor& m : scene.monitors) text << "," << csvField(m.name + (m.radius > 0 ? "_rad" : "_m"));
   if (!back.points.empty()) text << ",force_back_N";
   text << "\n";
   for (std::size_t k = 0; k < path.points.size(); ++k) {

@@ -10,8 +10,11 @@
 
 #include "commands.h"
 #include "curve_options.h"
+#include "curve_summary.h"
+#include "numbers.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
+#include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/statics/arm_problem.h"
@@ -44,28 +47,33 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-nlohmann::json orNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
+void checkFiles(const CurveOptions& options, const std::vector<std::string>& inputs, const std::string& checkpoint) {
+  common::OutputFiles files;
+  files.reads(options.input, "the input");
+  files.reads(inputs, "a file that the input names");
+  const std::pair<const std::string&, const char*> outputs[] = {{options.output, "--output"},
+                                                                {options.csv, "--csv"},
+                                                                {options.summary, "--summary"},
+                                                                {options.plot, "--plot"},
+                                                                {checkpoint, "--checkpoint"}};
+  for (const auto& [path, option] : outputs) files.writes(path, option);
+  files.fills(options.vtu, "--vtu");
+  if (!options.plot.empty()) requirePlotting(options.plot);
+}
 
-void addFeatures(const common::ForceTable& table, nlohmann::json& j) {
-  if (table.travel.size() >= 4) {
-    const common::CurveFeatures f = common::curveFeatures(table);
-    j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}};
-    j["valley"] = {{"travel_m", orNull(f.valley_travel)}, {"force_N", orNull(f.valley_force)}};
-    j["zeros_m"] = {0.0, orNull(f.barrier_travel), orNull(f.second_travel)};
-    j["equilibria"] = {
-        {"first_m", 0.0}, {"barrier_m", orNull(f.barrier_travel)}, {"second_m", orNull(f.second_travel)}};
-    j["barrier_forward_J"] = orNull(f.barrier_forward);
-    j["barrier_back_J"] = orNull(f.barrier_back);
-    j["hysteresis_N"] = orNull(f.hysteresis);
-    j["bistable"] = f.bistable;
+void printAnswer(const CurveOptions& options, const nlohmann::json& summary) {
+  std::vector<std::string> files;
+  for (const std::string& path : {options.output, options.csv, options.summary, options.plot, options.vtu}) {
+    std::error_code none;
+    if (!path.empty() && std::filesystem::exists(path, none)) files.push_back(path);
   }
-  int unstable = 0;
-  for (const int stable : table.stable) unstable += stable ? 0 : 1;
-  j["points"] = table.travel.size();
-  j["unstable_points"] = unstable;
+  const std::string text = options.json ? common::jsonText(summary) : curveAnswer(summary, files);
+  std::fputs(text.c_str(), stdout);
 }
 
 namespace {
+
+constexpr int LARGEST_COUNT = 100000;
 
 std::string toText(double value) {
   std::ostringstream text;
@@ -129,18 +137,14 @@ void writeCsv(const std::string& path, const common::ForceTable& table) {
 }
 
 nlohmann::json summarise(const statics::ArmCurve& curve) {
-  nlohmann::json j = costsOf(curve);
+  nlohmann::json j = costsOf(curve, curve.located);
   for (const auto& [key, value] : curve.table.provenance) j["provenance"][key] = value;
-  addFeatures(curve.table, j);
+  addFeatures(curve.table, curve.located, curve.table.arm_count, false, j);
   j["forces_are"] = "totals of all arms";
   return j;
 }
 
-/// What cannot be written is refused before the work, not after it.
-void checkOutputs(const CurveOptions& options, bool scene) {
-  for (const std::string& path : {options.output, options.csv, options.summary, options.plot, options.checkpoint}) {
-    if (!path.empty()) common::requireWritable(path);
-  }
+void checkEndings(const CurveOptions& options, bool scene) {
   const bool table = endsWith(options.output, ".h5");
   if (!options.output.empty() && !table && !(scene && endsWith(options.output, ".csv"))) {
     throw common::Error("--output is '" + options.output + "'; allowed: a name ending in .h5" +
@@ -148,19 +152,26 @@ void checkOutputs(const CurveOptions& options, bool scene) {
   }
 }
 
+void writeResults(const CurveOptions& options, const common::ForceTable& table, const nlohmann::json& summary) {
+  if (!options.csv.empty()) writeCsv(options.csv, table);
+  if (!options.summary.empty()) common::writeFileAtomically(options.summary, common::jsonText(summary));
+  if (!options.plot.empty()) plotCurve(csvText(table), common::jsonText(summary), options.plot);
+}
+
 /// The lumped rung of a vehicle is its table: nothing is solved.
 int runTable(const CurveOptions& options) {
+  if (!options.output.empty())
+    throw common::Error("--output: --rung lumped is a table already; the curve goes to --csv");
   const common::Vehicle vehicle = common::loadVehicle(options.input);
+  checkFiles(options, {vehicle.arm.table_file}, "");
   const common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
   nlohmann::json summary;
   for (const auto& [key, value] : table.provenance) summary["provenance"][key] = value;
   summary["rung"] = "lumped";
   summary["status"] = "converged";
-  addFeatures(table, summary);
-  if (!options.csv.empty()) writeCsv(options.csv, table);
-  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
-  if (!options.plot.empty()) plotCurve(csvText(table), summary.dump(), options.plot);
-  std::printf("%s\n", summary.dump(2).c_str());
+  addFeatures(table, {}, 1, false, summary);
+  writeResults(options, table, summary);
+  printAnswer(options, summary);
   return 0;
 }
 
@@ -189,12 +200,12 @@ void refuseSceneOptions(const CurveOptions& o) {
 
 int runCurve(const CurveOptions& options) {
   const bool scene = statics::isScene(options.input) || options.rung == "volumetric";
-  checkOutputs(options, scene);
+  checkEndings(options, scene);
   if (scene) return runScene(options);
   refuseSceneOptions(options);
-  if (!options.plot.empty()) requirePlotting();
   if (options.rung == "lumped") return runTable(options);
   const common::Vehicle vehicle = common::loadVehicle(options.input);
+  checkFiles(options, {vehicle.arm.density_file}, "");
   const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
                                       vehicle.material.mass_density.value};
   const mpm::DensityField design =
@@ -210,7 +221,13 @@ int runCurve(const CurveOptions& options) {
   curve_settings.from = std::isnan(options.from) ? vehicle.limits.travel_min : options.from;
   curve_settings.to = std::isnan(options.to) ? vehicle.limits.travel_max : options.to;
   curve_settings.step = options.step;
+  const double points = (curve_settings.to - curve_settings.from) / curve_settings.step;
+  if (points > LARGEST_COUNT) {
+    throw common::Error("--step " + toText(options.step) + " m makes " + toText(points) +
+                        " points from --from to --to; allowed: at most " + std::to_string(LARGEST_COUNT));
+  }
   curve_settings.back = !options.no_back;
+  curve_settings.locate = true;
   curve_settings.path.newton.cancelled = InterruptGuard::interrupted;
   curve_settings.progress = [&](double share, double travel) { return showProgress(options, share, travel); };
   const InterruptGuard guard;
@@ -218,30 +235,16 @@ int runCurve(const CurveOptions& options) {
 
   if (!curve.table.travel.empty()) describe(options, vehicle, arm, curve.table);
   const nlohmann::json summary = summarise(curve);
-  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
-  if (curve.status != statics::SolveStatus::CONVERGED) {
+  const bool good = curve.status == statics::SolveStatus::CONVERGED;
+  if (good && !options.output.empty()) common::saveForceTable(curve.table, options.output);
+  if (!curve.table.travel.empty()) writeResults(options, curve.table, summary);
+  if (!good) {
     std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", statics::statusName(curve.status).c_str(),
                  curve.message.c_str());
-    if (!options.csv.empty() && !curve.table.travel.empty()) writeCsv(options.csv, curve.table);
     return 1;
   }
-  if (!options.output.empty()) common::saveForceTable(curve.table, options.output);
-  if (!options.csv.empty()) writeCsv(options.csv, curve.table);
-  if (!options.plot.empty()) plotCurve(csvText(curve.table), summary.dump(), options.plot);
-  std::printf("%s\n", summary.dump(2).c_str());
+  printAnswer(options, summary);
   return 0;
-}
-
-/// Turns "2%" into "0.02". @return empty: no complaint
-std::string percentToShare(std::string& text) {
-  if (!text.empty() && text.back() == '%') {
-    try {
-      text = toText(std::stod(text.substr(0, text.size() - 1)) / 100);
-    } catch (const std::exception&) {
-      return "'" + text + "' is no percentage";
-    }
-  }
-  return {};
 }
 
 }  // namespace
@@ -255,7 +258,7 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--csv", options->csv, "Curve to write [CSV]");
   command->add_option("--summary", options->summary, "Summary to write [JSON]");
   command->add_option("--cell-size", options->cell_size, "Cell size [m]; default: that of the design")
-      ->check(CLI::Range(1e-6, 1e3));
+      ->check(realNumber(1e-6, 1e3, "m"));
   command->add_option("--rung", options->rung, "How much is modelled: a vehicle's table, a slice, a solid")
       ->check(CLI::IsMember({"lumped", "planar", "volumetric"}));
   command->add_option("--resolution", options->resolution,
@@ -263,8 +266,8 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--kernel", options->kernel, "Scenes: kernel in place of the scene's own")
       ->check(CLI::IsMember({"linear", "linear_reduced", "quadratic"}));
   command->add_option("--particles", options->particles, "Scenes: particles per axis in cut cells")
-      ->check(CLI::Range(1, 16));
-  command->add_option("--steps", options->steps, "Scenes: points of the path")->check(CLI::Range(1, 100000));
+      ->check(wholeNumber(1, 16));
+  command->add_option("--steps", options->steps, "Scenes: points of the path")->check(wholeNumber(1, LARGEST_COUNT));
   command->add_flag("--arc-length", options->arc_length, "Scenes: follow the branch by arc length, through snap-back");
   command->add_flag("--no-arc-length", options->no_arc, "Scenes: displacement control alone, jumps included");
   command->add_option("--drive", options->drive, "Scenes: how ports and joints are imposed")
@@ -272,14 +275,16 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--projection", options->projection, "When element Hessians are made positive")
       ->check(CLI::IsMember({"on_demand", "clamp", "absolute"}))
       ->capture_default_str();
-  command->add_option("--perturb", options->perturb,
-                      "Scenes: leave bifurcations along the critical mode, by this motion [m]");
+  command
+      ->add_option("--perturb", options->perturb,
+                   "Scenes: leave bifurcations along the critical mode, by this motion [m]")
+      ->check(realNumber(-1, 1, "m"));
   command->add_flag("--reverse", options->reverse, "Scenes: from the far end back to 0");
   command
       ->add_option("--error", options->error, "Scenes: cheapest measured rung with at most this error, as 2% or 0.02")
-      ->transform(CLI::Validator(percentToShare, "SHARE"));
+      ->transform(shareOrPercent());
   command->add_option("--seconds", options->seconds, "Scenes: most accurate measured rung within this time [s]")
-      ->check(CLI::PositiveNumber);
+      ->check(realNumber(0, 1e9, "s", true));
   command->add_option("--trade", options->trade, "Folder of measured errors and times; default: data/trade");
   command->add_flag("--resume", options->resume, "Scenes: go on from the checkpoint of an interrupted run");
   command->add_option("--checkpoint", options->checkpoint,
@@ -290,14 +295,17 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"stress", "strain"}))
       ->capture_default_str();
   command->add_option("--step", options->step, "Spacing of the points [m]")
-      ->check(CLI::Range(1e-6, 0.1))
+      ->check(realNumber(1e-6, 0.1, "m"))
       ->capture_default_str();
-  command->add_option("--from", options->from, "Lower end of travel [m], <= 0; default: the vehicle's limit");
-  command->add_option("--to", options->to, "Upper end of travel [m], > 0; default: the vehicle's limit");
+  command->add_option("--from", options->from, "Lower end of travel [m], <= 0; default: the vehicle's limit")
+      ->check(realNumber(-10, 0, "m"));
+  command->add_option("--to", options->to, "Upper end of travel [m], > 0; default: the vehicle's limit")
+      ->check(realNumber(0, 10, "m", true));
   command->add_flag("--no-back", options->no_back, "Do not trace the way back");
   command->add_option("--threads", options->threads, "Threads of the assembly; the result has the same bits")
-      ->check(CLI::Range(1, 256))
+      ->check(wholeNumber(1, 256))
       ->capture_default_str();
+  command->add_flag("--json", options->json, "Print the summary as JSON, not a few lines");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->callback([options, &exit_code] { exit_code = runCurve(*options); });
 }

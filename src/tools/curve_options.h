@@ -5,8 +5,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
-#include "snapwing/common/force_table.h"
 #include "snapwing/statics/newton.h"
 
 namespace snapwing::tools {
@@ -16,7 +16,8 @@ struct CurveOptions {
                                                  projection = "on_demand", trade;
   std::string checkpoint;
   double cell_size = 0, step = 0.001, from = NAN, to = NAN, perturb = 0, error = NAN, seconds = NAN;
-  bool no_back = false, quiet = false, arc_length = false, no_arc = false, reverse = false, resume = false;
+  bool no_back = false, quiet = false, json = false, arc_length = false, no_arc = false, reverse = false,
+       resume = false;
   int threads = 1, particles = 0, steps = 0;
 };
 
@@ -36,33 +37,19 @@ class InterruptGuard {
 /// Progress on the terminal; true if the run is to stop.
 bool showProgress(const CurveOptions& options, double share, double control);
 bool endsWith(const std::string& text, const std::string& end);
-nlohmann::json orNull(double value);
-/// Outcome, counts and seconds of a path or of an arm's curve.
-template <class Result>
-nlohmann::json costsOf(const Result& result) {
-  nlohmann::json j;
-  j["status"] = statics::statusName(result.status);
-  j["message"] = result.message;
-  j["iterations"] = result.iterations;
-  j["factorizations"] = result.factorizations;
-  j["projections"] = result.projections;
-  j["step_halvings"] = result.halvings;
-  j["seconds"] = {{"total", result.seconds},
-                  {"assembly", result.seconds_assembly},
-                  {"factorization", result.seconds_factor},
-                  {"solve", result.seconds_solve},
-                  {"analysis", result.seconds_analysis}};
-  return j;
-}
-/// Peak, valley, zeros by interpolation in a table.
-void addFeatures(const common::ForceTable& table, nlohmann::json& j);
+
+/// All files of a run: what it reads is known by then, what it writes is checked. @throws common::FileError
+void checkFiles(const CurveOptions& options, const std::vector<std::string>& inputs, const std::string& checkpoint);
+
+/// Prints the answer after everything is written: a reader that went away, as `| head`, costs no file.
+void printAnswer(const CurveOptions& options, const nlohmann::json& summary);
 
 /// Traces a scene as asked. @return exit code
 int runScene(const CurveOptions& options);
 
-/// Draws curve and summary into a picture with `plot_curve`. @throws common::Error saying what is missing
+/// Has `plot_curve` draw curve and summary, and writes the picture. @throws common::Error saying what is missing
 void plotCurve(const std::string& csv, const std::string& summary, const std::string& picture);
-/// @throws common::Error if pictures cannot be drawn here: asked before the work
-void requirePlotting();
+/// @throws common::Error if such a picture cannot be drawn here: asked before the work
+void requirePlotting(const std::string& picture);
 
 }  // namespace snapwing::tools

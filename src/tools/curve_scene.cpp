@@ -6,12 +6,13 @@
 #include <optional>
 
 #include "curve_options.h"
+#include "curve_summary.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/design/arm_scene.h"
 #include "snapwing/statics/checkpoint.h"
-#include "snapwing/statics/features.h"
 #include "snapwing/statics/rung.h"
 
 namespace snapwing::tools {
@@ -33,6 +34,7 @@ statics::Scene sourceScene(const CurveOptions& options) {
   settings.back = !options.no_back;
   statics::Scene scene = design::armScene(vehicle, field, settings);
   scene.copies = vehicle.arm.count;  // totals of all arms, as on the other rungs of a vehicle
+  scene.named_files = {vehicle.arm.density_file};
   scene.sha256 = common::sha256(vehicle.sha256 + common::readFile(vehicle.arm.density_file));
   return scene;
 }
@@ -40,7 +42,7 @@ statics::Scene sourceScene(const CurveOptions& options) {
 /// Where measured errors and times lie: as named, else data/trade beside the scene's folder or above.
 std::string tradeFolder(const CurveOptions& options) {
   if (!options.trade.empty()) return options.trade;
-  std::filesystem::path folder = std::filesystem::absolute(options.input).parent_path();
+  std::filesystem::path folder = std::filesystem::path(common::resolvedPath(options.input)).parent_path();
   for (; folder.has_relative_path(); folder = folder.parent_path()) {
     if (std::filesystem::is_directory(folder / "data" / "trade")) return (folder / "data" / "trade").string();
   }
@@ -61,8 +63,11 @@ statics::Scene askedScene(const CurveOptions& options, std::optional<statics::Tr
   statics::Scene scene = sourceScene(options);
   const double own_cell_size = scene.cell_size;
   if (asked(options.error) || asked(options.seconds)) {
-    choice = statics::chooseRow(statics::loadTrade(tradeFolder(options)), scene.name, asked(options.error),
+    choice = statics::chooseRow(statics::loadTrade(tradeFolder(options)), scene, asked(options.error),
                                 asked(options.seconds));
+    if (choice->rung == "planar" && scene.dimension == 3 && options.plane != "stress") {
+      throw common::Error("--plane strain: errors were measured in plane stress; name --rung and --resolution");
+    }
     applyRung(scene, choice->rung, options);
     scene.kernel = statics::kernelFromName(choice->kernel);
     scene.cell_size = choice->cell_size;
@@ -97,6 +102,7 @@ void addModel(const statics::Scene& scene, const statics::CompiledScene& compile
   j["body_volume_m3"] = volume.bodies;
   j["volume_error"] = volume.modelled / volume.bodies - 1;
   j["scene_sha256"] = scene.sha256;
+  if (!scene.content_sha256.empty()) j["content_sha256"] = scene.content_sha256;
   j["snapwing_version"] = common::version();
 }
 
@@ -116,37 +122,29 @@ void addSingular(const statics::SceneCurve& curve, nlohmann::json& j) {
   }
 }
 
-/// Peaks, valleys and zeros that were solved for, in place of the interpolated ones.
-void addLocated(const statics::CompiledScene& compiled, const statics::NewtonSettings& newton,
-                const statics::SceneCurve& curve, nlohmann::json& j) {
-  statics::EquilibriumSolver solver(compiled.problem(), newton);
-  std::vector<double> zeros;
-  for (const statics::Feature& f : statics::locateFeatures(solver, curve.path.points)) {
-    const double force = curve.multiplicity * f.point.force;
-    const std::string kind = statics::featureName(f.kind);
-    j["located"].push_back({{"kind", kind},
-                            {"control", f.point.control},
-                            {"force", force},
-                            {"energy", curve.multiplicity * f.point.energy},
-                            {"stable", f.point.stable && f.point.stiffness > 0},
-                            {"accuracy", f.accuracy},
-                            {"remainder", f.remainder}});
-    if (f.kind == statics::FeatureKind::ZERO) zeros.push_back(f.point.control);
-    const bool taken = j.contains(kind) && j[kind].contains("exact");
-    if (f.kind != statics::FeatureKind::ZERO && j.contains(kind) && !taken)
-      j[kind] = {{"travel_m", f.point.control}, {"force_N", force}, {"exact", true}};
-  }
-  if (!zeros.empty() && j.contains("zeros_m")) j["zeros_m"] = zeros;
-}
-
 nlohmann::json summarise(const statics::Scene& scene, const statics::CompiledScene& compiled,
                          const statics::NewtonSettings& newton, const statics::SceneCurve& curve) {
-  nlohmann::json j = costsOf(curve.path);
+  const bool whole = curve.path.status == statics::SolveStatus::CONVERGED;
+  statics::LocatedFeatures located;
+  if (whole && scene.control_is_length) {
+    located = statics::locateFeaturesOf(compiled.problem(), newton, curve.path.points);
+  }
+  nlohmann::json j = costsOf(curve.path, located);
   if (!curve.path.account.empty()) j["account"] = curve.path.account;
   addModel(scene, compiled, j);
-  const bool whole = curve.path.status == statics::SolveStatus::CONVERGED;
-  if (scene.control_is_length && curve.monotone()) addFeatures(curve.table(), j);
-  if (whole && scene.control_is_length) addLocated(compiled, newton, curve, j);
+  const bool loads = !scene.loads.empty() || !scene.gravity.isZero();
+  if (scene.control_is_length && curve.monotone()) {
+    addFeatures(curve.table(), located, curve.multiplicity, loads, j);
+  } else {
+    std::vector<int> stable;
+    std::vector<double> stiffness;
+    for (const statics::PathPoint& p : curve.path.points) {
+      stable.push_back(p.stable ? 1 : 0);
+      stiffness.push_back(p.stiffness);
+    }
+    addLocated(located.found, curve.multiplicity, j);
+    countStable(stable, stiffness, scene.control_is_length, j);
+  }
   addSingular(curve, j);
   for (std::size_t m = 0; m < scene.monitors.size() && !curve.monitors.empty(); ++m) {
     j["monitors_at_end"][scene.monitors[m].name] = curve.monitors.back()[m];
@@ -155,7 +153,7 @@ nlohmann::json summarise(const statics::Scene& scene, const statics::CompiledSce
 }
 
 void writeVtu(const std::string& folder, const statics::CompiledScene& compiled, const statics::SceneCurve& curve) {
-  std::filesystem::create_directories(folder);
+  common::makeFolder(folder);
   for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
     char name[32];
     std::snprintf(name, sizeof(name), "/point_%04zu.vtu", k);
@@ -168,28 +166,41 @@ void writeVtu(const std::string& folder, const statics::CompiledScene& compiled,
 class Checkpoints {
  public:
   Checkpoints(const CurveOptions& options, const statics::Scene& scene)
-      : hash_(statics::traceHash(scene, options.reverse ? "reverse" : "")), file_(options.checkpoint) {
-    const std::string& output = options.output.empty() ? options.csv : options.output;
-    if (file_.empty() && !output.empty()) file_ = output + ".checkpoint";
+      : hash_(statics::traceHash(scene, options.reverse ? "reverse" : "")), file_(fileOf(options)) {
     if (options.resume && file_.empty())
       throw common::Error("--resume needs --output, --csv or --checkpoint: it goes on from the file OUTPUT.checkpoint");
     if (!options.resume || !std::filesystem::exists(file_)) return;
     known_ = std::make_unique<statics::SceneCurve>(statics::loadCheckpoint(file_, hash_));
     if (!options.quiet) std::fprintf(stderr, "resuming after %zu points\n", known_->path.points.size());
   }
+  static std::string fileOf(const CurveOptions& options) {
+    const std::string& output = options.output.empty() ? options.csv : options.output;
+    std::error_code none;
+    // A pipe or a device is no place beside which a file can lie.
+    const bool plain = !std::filesystem::exists(output, none) || std::filesystem::is_regular_file(output, none);
+    return options.checkpoint.empty() && !output.empty() && plain ? output + ".checkpoint" : options.checkpoint;
+  }
   const statics::SceneCurve* known() const { return known_.get(); }
   void reached(const statics::SceneCurve& sofar, bool at_once) {
     const auto now = std::chrono::steady_clock::now();
     if (file_.empty() || (!at_once && now - last_ < std::chrono::seconds(1))) return;
-    statics::saveCheckpoint(sofar, hash_, file_);
+    try {
+      statics::saveCheckpoint(sofar, hash_, file_);
+    } catch (const common::FileError& e) {
+      // The result does not depend on it: the run goes on.
+      if (!warned_) std::fprintf(stderr, "\nsnapwing curve: warning: no checkpoint: %s\n", e.what());
+      warned_ = true;
+    }
     last_ = now;
   }
   void finished() const {
-    if (!file_.empty()) std::filesystem::remove(file_);
+    std::error_code none;
+    if (std::filesystem::is_regular_file(file_, none)) std::filesystem::remove(file_, none);
   }
 
  private:
   std::string hash_, file_;
+  bool warned_ = false;
   std::unique_ptr<statics::SceneCurve> known_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
@@ -223,7 +234,7 @@ void writeTable(const CurveOptions& options, const statics::Scene& scene, const 
 int runScene(const CurveOptions& options) {
   std::optional<statics::TradeRow> choice;
   const statics::Scene scene = askedScene(options, choice);
-  if (!options.plot.empty()) requirePlotting();
+  checkFiles(options, scene.named_files, Checkpoints::fileOf(options));
   Checkpoints checkpoints(options, scene);
   const auto compiled = statics::compileScene(scene, options.threads);
   statics::TraceSettings settings = traceSettings(options);
@@ -240,21 +251,18 @@ int runScene(const CurveOptions& options) {
     summary["chosen"] = {
         {"measured_error", choice->error}, {"measured_seconds", choice->seconds}, {"table", choice->file}};
   }
-  if (!options.summary.empty()) common::writeFileAtomically(options.summary, summary.dump(2) + "\n");
-  std::printf("%s\n", summary.dump(2).c_str());
   // A path that stopped is written as far as it came, but never as a table that others would take for whole.
   const std::string csv = curve.csv(scene);
+  if (good && endsWith(options.output, ".h5")) writeTable(options, scene, curve, summary);
   if (!options.csv.empty()) common::writeFileAtomically(options.csv, csv);
   if (endsWith(options.output, ".csv")) common::writeFileAtomically(options.output, csv);
+  if (!options.summary.empty()) common::writeFileAtomically(options.summary, common::jsonText(summary));
   if (!options.vtu.empty()) writeVtu(options.vtu, *compiled, curve);
-  if (!options.plot.empty() && !curve.path.points.empty()) plotCurve(csv, summary.dump(), options.plot);
-  if (!good) {
-    std::fprintf(stderr, "\nsnapwing curve: %s\n", curve.path.message.c_str());
-    return 1;
-  }
-  if (endsWith(options.output, ".h5")) writeTable(options, scene, curve, summary);
-  checkpoints.finished();
-  return 0;
+  if (!options.plot.empty() && !curve.path.points.empty()) plotCurve(csv, common::jsonText(summary), options.plot);
+  if (good) checkpoints.finished();
+  printAnswer(options, summary);
+  if (!good) std::fprintf(stderr, "\nsnapwing curve: %s\n", curve.path.message.c_str());
+  return good ? 0 : 1;
 }
 
 }  // namespace snapwing::tools

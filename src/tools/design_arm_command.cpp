@@ -6,7 +6,9 @@
 #include <memory>
 
 #include "commands.h"
+#include "numbers.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/output_file.h"
 #include "snapwing/design/arm_outcome.h"
 
 namespace snapwing::tools {
@@ -103,10 +105,22 @@ ArmJob jobOf(const Options& options) {
     if (!options.quiet && !name.empty()) std::fprintf(stderr, "checking %s\n", name.c_str());
     return interrupted != 0;
   };
+  job.warning = [](const std::string& text) {
+    std::fprintf(stderr, "snapwing design arm: warning: %s\n", text.c_str());
+  };
   job.optimized = printRun;
   job.checked = printCheck;
   job.printed = printParts;
   return job;
+}
+
+void checkFiles(const Options& options, const ArmDesignSettings& settings) {
+  common::OutputFiles files;
+  files.reads(options.settings, "the settings");
+  files.reads(options.density, "the density that is to be checked");
+  files.reads(settings.named_files, "a file that the settings name");
+  files.fills(options.folder, "--output");
+  for (const std::string& name : armOutcomeFiles()) files.writes(options.folder + "/" + name, "--output");
 }
 
 int runCommand(const Options& options) {
@@ -115,12 +129,14 @@ int runCommand(const Options& options) {
   interrupted = 0;
   const auto previous = std::signal(SIGINT, onInterrupt);
   if (options.threads > 0) settings.threads = options.threads;
+  checkFiles(options, settings);
   const ArmJob job = jobOf(options);
   const ArmOutcome outcome = options.density.empty()
                                  ? designArm(settings, job)
                                  : checkArmDensity(settings, loadDesignedDensity(settings, options.density), job);
   std::signal(SIGINT, previous);
-  return outcome.bistable ? 0 : 1;
+  if (!outcome.bistable || !outcome.all_met) return 1;
+  return outcome.status == OptimizerStatus::CANCELLED ? 1 : 0;
 }
 
 }  // namespace
@@ -135,11 +151,11 @@ void addDesignArmCommand(CLI::App& app, int& exit_code) {
   command->add_option("--density", options->density, "Do not optimise: check this density [CSV] and write its parts");
   command->add_flag("--check-gradients", options->check_gradients, "Only compare derivatives with differences");
   command->add_option("--gradient-tolerance", options->gradient_tolerance, "Largest relative error allowed")
-      ->check(CLI::Range(1e-12, 1.0))
+      ->check(realNumber(1e-12, 1, "1"))
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "Go on from the checkpoint in the output folder");
   command->add_option("--threads", options->threads, "At most; instead of the settings' own. Changes no bit")
-      ->check(CLI::Range(1, 256));
+      ->check(wholeNumber(1, 256));
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->callback([options, &exit_code] { exit_code = runCommand(*options); });
 }

@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "commands.h"
+#include "numbers.h"
+#include "snapwing/common/output_file.h"
 #include "snapwing/design/wing_outcome.h"
 
 namespace snapwing::tools {
@@ -89,6 +91,11 @@ void reportLayers(const StackPlan& plan) {
 
 void run(const Options& options, int* exit_code) {
   const WingSettings settings = loadWingSettings(options.settings);
+  common::OutputFiles files;
+  files.reads(options.settings, "the settings");
+  files.reads(settings.named_files, "a file that the settings name");
+  files.fills(options.folder, "--output");
+  for (const char* name : {"wing.yaml", "wing_table.h5"}) files.writes(options.folder + "/" + name, "--output");
   WingJob job;
   job.folder = options.folder;
   job.rung = wingRungOf(options.rung.empty() ? settings.rung : options.rung);
@@ -120,7 +127,7 @@ void addDesignWingCommand(CLI::App& app, int& exit_code) {
                    "elastic ones check it anyway")
       ->check(CLI::IsMember({"rigid", "elastic", "solid"}));
   command->add_option("--points", options->points, "Points of the table over the travel")
-      ->check(CLI::Range(2, 100000))
+      ->check(wholeNumber(2, 100000))
       ->capture_default_str();
   int* code = &exit_code;
   command->callback([options, code] { run(*options, code); });

@@ -6,7 +6,9 @@
 #include <sstream>
 
 #include "commands.h"
+#include "numbers.h"
 #include "prediction_json.h"
+#include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/planning/accident_margins.h"
 #include "snapwing/planning/pulse_planner.h"
@@ -19,7 +21,7 @@ namespace {
 struct PlanOptions {
   std::string vehicle_file, table_file, json_file, map_file, start;
   int map_size = 41;
-  bool accidents = false;
+  bool accidents = false, quiet = false;
   planning::PlannerSettings settings;
   TrialOptions trial;
 };
@@ -105,9 +107,23 @@ void printAccidents(const std::vector<planning::AccidentMargin>& margins, bool w
   }
 }
 
+/// The map takes minutes where the plan takes seconds: it says how far it is.
+void writeMap(const PlanOptions& options, const planning::PulsePlanner& planner, common::Mode start,
+              const rom::Trial& trial) {
+  const bool shown = !options.quiet;
+  const auto progress = [shown](int done, int all) {
+    if (!shown || (100 * done / all == 100 * (done - 1) / all && done > 1)) return;
+    std::fprintf(stderr, "\routcome map: %d of %d pulses%s", done, all, done == all ? "\n" : " ");
+    std::fflush(stderr);
+  };
+  const planning::OutcomeMap map = planner.map(start, trial, options.map_size, options.map_size, progress);
+  common::writeFileAtomically(options.map_file, mapCsv(map));
+}
+
 int plan(const PlanOptions& options) {
   const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
+  checkFiles(vehicle, table_file, {{options.json_file, "--json"}, {options.map_file, "--map"}});
   const common::ForceTable table = common::loadForceTable(table_file);
   const common::Mode start = common::modeFromName(options.start);
   const rom::Trial trial = options.trial.trial();
@@ -117,23 +133,18 @@ int plan(const PlanOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   planning::TransitionPlan result = planner.plan(start, trial);
   result.compute_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  printPlan(result);
-  if (!options.map_file.empty()) {
-    common::writeFileAtomically(options.map_file,
-                                mapCsv(planner.map(start, trial, options.map_size, options.map_size)));
-  }
+  const bool wings = wing && trial.wings.value_or(true);
   std::vector<planning::AccidentMargin> accidents;
-  if (options.accidents) {
-    const bool wings = wing && trial.wings.value_or(true);
-    accidents = planning::accidentMargins(vehicle, table, wings ? wing : std::nullopt);
-    printAccidents(accidents, wings);
-  }
+  if (options.accidents) accidents = planning::accidentMargins(vehicle, table, wings ? wing : std::nullopt);
+  if (!options.map_file.empty()) writeMap(options, planner, start, trial);
   if (!options.json_file.empty()) {
     nlohmann::ordered_json json = {
         {"inputs", inputsJson(vehicle, table_file)}, {"trial", trialJson(trial)}, {"plan", planJson(result)}};
     if (options.accidents) json["accidents"] = accidentsJson(accidents);
-    common::writeFileAtomically(options.json_file, json.dump(2) + "\n");
+    common::writeFileAtomically(options.json_file, common::jsonText(json));
   }
+  printPlan(result);
+  if (options.accidents) printAccidents(accidents, wings);
   return result.accepted ? 0 : 1;
 }
 
@@ -147,23 +158,37 @@ void addPlanCommand(CLI::App& app, int& exit_code) {
   command->add_option("--from", options->start, "mode at the start: F or Q")->required();
   options->trial.addTo(*command);
   command->add_option("--table", options->table_file, "force table [HDF5]; default: the vehicle file's");
-  command->add_option("--samples", s.verify_samples, "fresh vehicles that check the plan")->capture_default_str();
-  command->add_option("--search-samples", s.search_samples, "vehicles during the search")->capture_default_str();
+  command->add_option("--samples", s.verify_samples, "fresh vehicles that check the plan")
+      ->check(wholeNumber(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--search-samples", s.search_samples, "vehicles during the search")
+      ->check(wholeNumber(1, 100000))
+      ->capture_default_str();
   command->add_option("--required-margin", s.required_margin, "worst margin of an accepted plan [barriers]")
+      ->check(realNumber(0, 100, "barriers"))
       ->capture_default_str();
   command->add_option("--enough-margin", s.enough_margin, "margin from which a shorter pulse is better [barriers]")
+      ->check(realNumber(0, 100, "barriers"))
       ->capture_default_str();
-  command->add_option("--required-share", s.required_share, "share of the vehicles that must switch (0 .. 1]")
+  command->add_option("--required-share", s.required_share, "share of the vehicles that must switch")
+      ->check(realNumber(0, 1, "1", true))
       ->capture_default_str();
-  command->add_option("--throttle-max", s.throttle_max, "stick travel [0 .. 1]")->capture_default_str();
-  command->add_option("--duration-max", s.duration_max, "longest pulse [s]")->capture_default_str();
-  command->add_option("--threads", s.threads, "the result is the same for any number")->capture_default_str();
+  command->add_option("--throttle-max", s.throttle_max, "largest stick travel")
+      ->check(realNumber(0, 1, "1", true))
+      ->capture_default_str();
+  command->add_option("--duration-max", s.duration_max, "longest pulse [s]")
+      ->check(realNumber(0, 10, "s", true))
+      ->capture_default_str();
+  command->add_option("--threads", s.threads, "the result is the same for any number")
+      ->check(wholeNumber(1, 256))
+      ->capture_default_str();
   command->add_flag("--accidents", options->accidents, "also report what may flip the mode by accident");
   command->add_option("--json", options->json_file, "write the plan here");
   command->add_option("--map", options->map_file, "write the outcome map here [CSV]: share and worst margin");
   command->add_option("--map-size", options->map_size, "pulses along each side of the map")
-      ->check(CLI::Range(2, 500))
+      ->check(wholeNumber(2, 500))
       ->capture_default_str();
+  command->add_flag("-q,--quiet", options->quiet, "No progress of the map");
   command->footer("Exit code: 0 a safe pulse was found, 1 refused with a reason, 2 bad input.");
   command->callback([options, &exit_code] { exit_code = plan(*options); });
 }

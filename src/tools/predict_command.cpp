@@ -1,11 +1,15 @@
 // `snapwing predict`: what one pulse does to the nominal vehicle, by the reduced model.
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <sstream>
 
 #include "commands.h"
+#include "numbers.h"
 #include "prediction_json.h"
+#include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/rom/lumped_model.h"
 #include "trial_options.h"
@@ -13,6 +17,8 @@
 namespace snapwing::tools {
 
 namespace {
+
+constexpr int LARGEST_COUNT = 10000000;  ///< steps of one prediction
 
 struct PredictOptions {
   std::string vehicle_file, table_file, json_file, csv_file, start;
@@ -41,11 +47,19 @@ class TrajectoryCsv {
 int predict(const PredictOptions& options) {
   const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
+  checkFiles(vehicle, table_file, {{options.csv_file, "--csv"}, {options.json_file, "--json"}});
   const common::ForceTable table = common::loadForceTable(table_file);
   const common::Mode start = common::modeFromName(options.start);
   const rom::Trial trial = options.trial.trial();
   rom::LumpedSettings settings;
   settings.step = options.step;
+  const double steps = (options.pulse.duration + trial.horizon) / options.step;
+  if (steps > LARGEST_COUNT) {
+    throw common::Error("--step makes " + std::to_string(std::llround(steps)) +
+                        " steps of --duration and --horizon; "
+                        "allowed: at most " +
+                        std::to_string(LARGEST_COUNT));
+  }
   const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table),
                                                                settings, common::wingTableOf(vehicle));
 
@@ -61,20 +75,20 @@ int predict(const PredictOptions& options) {
   rom::SnapPrediction prediction = model.predict(start, options.pulse, vehicle.radio, trial, observer);
   prediction.compute_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 
-  std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
-              rom::mountName(trial.mount).c_str(), model.wingsOf(trial) ? "on" : "off", options.pulse.throttle,
-              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
-  std::printf("%s\n", predictionLine(prediction).c_str());
-  if (!prediction.start_held)
-    std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());
   if (!options.csv_file.empty()) common::writeFileAtomically(options.csv_file, csv.text());
   if (!options.json_file.empty()) {
     nlohmann::ordered_json json = {{"inputs", inputsJson(vehicle, table_file)},
                                    {"trial", trialJson(trial)},
                                    {"pulse", pulseJson(options.pulse)},
                                    {"prediction", predictionJson(prediction)}};
-    common::writeFileAtomically(options.json_file, json.dump(2) + "\n");
+    common::writeFileAtomically(options.json_file, common::jsonText(json));
   }
+  std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
+              rom::mountName(trial.mount).c_str(), model.wingsOf(trial) ? "on" : "off", options.pulse.throttle,
+              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
+  std::printf("%s\n", predictionLine(prediction).c_str());
+  if (!prediction.start_held)
+    std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());
   return prediction.end_mode == common::Mode::UNKNOWN ? 1 : 0;
 }
 
@@ -87,13 +101,15 @@ void addPredictCommand(CLI::App& app, int& exit_code) {
   command->add_option("--from", options->start, "mode at the start: F or Q")->required();
   command->add_option("--throttle", options->pulse.throttle, "stick travel [0 .. 1]")
       ->required()
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(realNumber(0, 1, "1"));
   command->add_option("--duration", options->pulse.duration, "of the command [s]")
       ->required()
-      ->check(CLI::Range(0.0, 60.0));
+      ->check(realNumber(0, 60, "s"));
   options->trial.addTo(*command);
   command->add_option("--table", options->table_file, "force table [HDF5]; default: the vehicle file's");
-  command->add_option("--step", options->step, "largest time step [s]")->capture_default_str();
+  command->add_option("--step", options->step, "largest time step [s]")
+      ->check(realNumber(1e-7, 0.01, "s"))
+      ->capture_default_str();
   command->add_option("--json", options->json_file, "write the prediction here");
   command->add_option("--csv", options->csv_file, "write the trajectory here, one row a step");
   command->footer("Exit code: 0 settled in F or Q, 1 not settled within the horizon, 2 bad input.");

@@ -45,12 +45,27 @@ ordered_json trialJson(const rom::Trial& trial) {
 }
 
 ordered_json inputsJson(const common::Vehicle& vehicle, const std::string& table_file) {
-  return {{"vehicle", vehicle.name},
-          {"vehicle_file", vehicle.file},
-          {"vehicle_sha256", vehicle.sha256},
-          {"table_file", table_file},
-          {"table_sha256", common::sha256OfFile(table_file)},
-          {"snapwing_version", common::version()}};
+  ordered_json json = {{"vehicle", vehicle.name},
+                       {"vehicle_file", vehicle.file},
+                       {"vehicle_sha256", vehicle.sha256},
+                       {"table_file", table_file},
+                       {"table_sha256", common::sha256OfFile(table_file)}};
+  if (!vehicle.wing.table_file.empty()) {
+    json["wing_table_file"] = vehicle.wing.table_file;
+    json["wing_table_sha256"] = common::sha256OfFile(vehicle.wing.table_file);
+  }
+  json["snapwing_version"] = common::version();
+  return json;
+}
+
+void checkFiles(const common::Vehicle& vehicle, const std::string& table_file,
+                const std::vector<std::pair<std::string, std::string>>& outputs) {
+  common::OutputFiles files;
+  files.reads(vehicle.file, "the vehicle file");
+  files.reads(table_file, "the force table");
+  files.reads({vehicle.arm.density_file, vehicle.arm.table_file, vehicle.wing.layout_file, vehicle.wing.table_file},
+              "a file that the vehicle file names");
+  for (const auto& [path, option] : outputs) files.writes(path, option);
 }
 
 std::string chooseTable(const common::Vehicle& vehicle, const std::string& asked) {

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "snapwing/common/force_table.h"
 #include "snapwing/common/pulse.h"
@@ -16,6 +18,10 @@ nlohmann::ordered_json pulseJson(const common::Pulse& pulse);
 nlohmann::ordered_json trialJson(const rom::Trial& trial);
 /// Vehicle and table with their hashes.
 nlohmann::ordered_json inputsJson(const common::Vehicle& vehicle, const std::string& table_file);
+
+/// Checks outputs (path, option) against what the command reads. @throws common::FileError
+void checkFiles(const common::Vehicle& vehicle, const std::string& table_file,
+                const std::vector<std::pair<std::string, std::string>>& outputs);
 
 /// The table file asked for, or the vehicle's own.
 std::string chooseTable(const common::Vehicle& vehicle, const std::string& asked);

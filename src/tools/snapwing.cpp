@@ -1,7 +1,14 @@
 // The `snapwing` command line: everything that a node does online can be done here, offline, on the same core.
+#include <poll.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
+#include <new>
 
 #include "commands.h"
 #include "snapwing/common/error.h"
@@ -32,16 +39,39 @@ int run(int argc, char** argv) {
   return exit_code;
 }
 
-}  // namespace
+/// What is printed must have arrived, except where the reader has gone, as `| head` does: files are written before.
+bool printed() {
+  const bool good = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return good || (::poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0);
+}
 
-int main(int argc, char** argv) {
+int guarded(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const snapwing::common::Error& e) {
     std::cerr << "snapwing: " << e.what() << "\n";
     return BAD_INPUT;
+  } catch (const std::filesystem::filesystem_error& e) {
+    std::cerr << "snapwing: " << e.path1().string() << ": " << e.code().message() << "\n";
+    return BAD_INPUT;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "snapwing: not enough memory for this\n";
+    return BAD_INPUT;
   } catch (const std::exception& e) {
     std::cerr << "snapwing: internal error: " << e.what() << "\n";
     return INTERNAL_ERROR;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // A reader that goes away, or a limit on a file's size, is an error of that write and not the end of the program.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const int code = guarded(argc, argv);
+  if (printed()) return code;
+  std::cerr << "snapwing: the standard output cannot be written\n";
+  return code == 0 ? BAD_INPUT : code;
 }

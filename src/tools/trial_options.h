@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "numbers.h"
 #include "snapwing/rom/trial.h"
 
 namespace snapwing::tools {
@@ -24,13 +25,20 @@ struct TrialOptions {
         ->check(CLI::IsMember({"auto", "on", "off"}))
         ->capture_default_str();
     command.add_option("--gravity", gravity, "pull against the thrust axis [m/s2]: 9.81 upright, -9.81 inverted")
+        ->check(realNumber(-100, 100, "m/s2"))
         ->capture_default_str();
-    command.add_option("--initial-speed", initial_speed, "along the thrust axis [m/s]")->capture_default_str();
-    command.add_option("--initial-thrust", initial_thrust,
-                       "steady thrust before the pulse / full thrust [0 .. 1]; default: motors idle");
-    command.add_option("--final-thrust", final_thrust,
-                       "thrust after the pulse / full thrust [0 .. 1]; default: motors idle");
-    command.add_option("--horizon", horizon, "longest time watched after the pulse [s]")->capture_default_str();
+    command.add_option("--initial-speed", initial_speed, "along the thrust axis [m/s]")
+        ->check(realNumber(-200, 200, "m/s"))
+        ->capture_default_str();
+    command
+        .add_option("--initial-thrust", initial_thrust,
+                    "steady thrust before the pulse / full thrust; default: motors idle")
+        ->check(realNumber(0, 1, "1"));
+    command.add_option("--final-thrust", final_thrust, "thrust after the pulse / full thrust; default: motors idle")
+        ->check(realNumber(0, 1, "1"));
+    command.add_option("--horizon", horizon, "longest time watched after the pulse [s]")
+        ->check(realNumber(0, 60, "s", true))
+        ->capture_default_str();
   }
 
   /// @throws common::Error

@@ -68,23 +68,32 @@ TEST(Rung, ResolutionIsASizeOrAFactor) {
     EXPECT_THROW(cellSizeFor(bad, 1e-3), common::Error) << bad;
 }
 
-TEST(Rung, TheCheapestMeasuredRowIsTaken) {
+TEST(Rung, TheCheapestRowMeasuredOnThisContentIsTaken) {
   const std::string folder = ::testing::TempDir() + "snapwing_trade";
   std::filesystem::create_directories(folder);
   common::writeFileAtomically(
       folder + "/beam.csv",
-      "# measured\nseconds,scene,rung,kernel,cell_size_m,error_percent\n"
-      "0.5,beam,planar,quadratic,4e-4,0.24\n0.05,beam,planar,linear_reduced,8e-4,2.3\n"
-      "0.2,beam,planar,linear_reduced,4e-4,0.41\n9,other,planar,linear,1e-3,1\n1,beam,planar,linear,1e-3,-\n");
+      "# measured\nseconds,scene,content_sha256,rung,kernel,cell_size_m,error_percent\n"
+      "0.5,\"beam, long\",ab,planar,quadratic,4e-4,0.24\n0.05,beam,ab,planar,linear_reduced,8e-4,2.3\n"
+      "0.2,beam,ab,planar,linear_reduced,4e-4,0.41\n9,other,cd,planar,linear,1e-3,1\n1,beam,ab,planar,linear,1e-3,-\n");
   common::writeFileAtomically(folder + "/unrelated.csv", "a,b\n1,2\n");
+  common::writeFileAtomically(folder + "/by_name.csv", "scene,rung,kernel,cell_size_m,error,seconds\nbeam,a,b,1,1,1\n");
   const std::vector<TradeRow> rows = loadTrade(folder);
   ASSERT_EQ(rows.size(), 4u);
-  EXPECT_EQ(chooseRow(rows, "beam", 0.03, {}).seconds, 0.05);
-  EXPECT_EQ(chooseRow(rows, "beam", 0.005, {}).seconds, 0.2);
-  EXPECT_EQ(chooseRow(rows, "beam", {}, 0.3).seconds, 0.2);
-  EXPECT_EQ(chooseRow(rows, "beam", {}, 10.0).kernel, "quadratic");
-  EXPECT_THROW(chooseRow(rows, "beam", 0.001, {}), common::Error);
-  EXPECT_THROW(chooseRow(rows, "nobody", 0.1, {}), common::Error);
+  EXPECT_EQ(rows.front().scene, "beam, long");
+  Scene scene;
+  scene.name = "whatever it is called";
+  scene.content_sha256 = "ab";
+  EXPECT_EQ(chooseRow(rows, scene, 0.03, {}).seconds, 0.05);
+  EXPECT_EQ(chooseRow(rows, scene, 0.005, {}).seconds, 0.2);
+  EXPECT_EQ(chooseRow(rows, scene, {}, 0.3).seconds, 0.2);
+  EXPECT_EQ(chooseRow(rows, scene, {}, 10.0).kernel, "quadratic");
+  EXPECT_THROW(chooseRow(rows, scene, 0.001, {}), common::Error);
+  scene.name = "beam";
+  for (const char* unmeasured : {"ef", ""}) {
+    scene.content_sha256 = unmeasured;
+    EXPECT_THROW(chooseRow(rows, scene, 0.1, {}), common::Error) << unmeasured;
+  }
   EXPECT_TRUE(loadTrade(folder + "/none").empty());
   const std::string other = ::testing::TempDir() + "snapwing_trade_wrong",
                     head = "seconds,scene,rung,kernel,cell_size_m,error";
@@ -94,6 +103,30 @@ TEST(Rung, TheCheapestMeasuredRowIsTaken) {
     common::writeFileAtomically(other + "/beam.csv", text);
     EXPECT_THROW(loadTrade(other), common::FileError) << text;
   }
+}
+
+/// A part that changed under the same name is another scene; a name, a comment or finer cells are not.
+TEST(Rung, ContentAndInputsAreWhatTheySay) {
+  const std::string folder = ::testing::TempDir();
+  const auto load = [&](const std::string& more, const std::string& density) {
+    common::writeFileAtomically(folder + "content.csv", density);
+    const std::string text =
+        "scene: a\nlength_unit: mm\ndimension: 2\nplane: strain\nkernel: linear\n" + more +
+        "bodies: {b: {material: {youngs_modulus: 1.0e+6, poisson_ratio: 0.3}, thickness: 1, "
+        "density: {file: content.csv, length: 2, height: 1}}}\nsupports: [{name: s, region: {x: [0, 0]}, hold: xy}]\n"
+        "ports: [{name: p, region: {x: [2, 2]}, direction: [1, 0], cross_motion: held}]\npath: {to: 1, steps: 4}\n";
+    common::writeFileAtomically(folder + "content.yaml", text);
+    return loadScene(folder + "content.yaml");
+  };
+  const Scene first = load("cell_size: 1\n", "i,j,rho\n0,0,1\n1,0,1\n");
+  const Scene finer = load("# finer\ncell_size: 0.5\n", "i,j,rho\n0,0,1\n1,0,1\n");
+  const Scene softer = load("cell_size: 1\n", "i,j,rho\n0,0,1\n1,0,0.5\n");
+  EXPECT_EQ(first.named_files, std::vector<std::string>{folder + "content.csv"});
+  EXPECT_EQ(first.content_sha256, finer.content_sha256);
+  EXPECT_NE(first.sha256, finer.sha256);
+  EXPECT_NE(first.content_sha256, softer.content_sha256);
+  EXPECT_NE(first.sha256, softer.sha256);
+  EXPECT_NE(traceHash(first, ""), traceHash(softer, ""));
 }
 
 TEST(Rung, ASolidAndItsSlice) {

@@ -1,6 +1,7 @@
 // Limit points, bifurcations, snap-back and exact features against closed forms and the exact elastica.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jointed_truss.h"
@@ -185,6 +186,29 @@ TEST(Features, AreExactOnTheTruss) {
     EXPECT_NEAR(found[k].point.force, forces[k], 1e-12) << k;
     EXPECT_NEAR(found[k].point.control, moves[k] + forces[k] / 100, 1e-9) << k;
     EXPECT_LT(found[k].accuracy, 1e-9) << k;
+  }
+}
+
+/// Towards negative travel, and on the way back, the same features: a peak resists whatever leaves 0.
+TEST(Features, DoNotDependOnTheDirection) {
+  for (const double sign : {1.0, -1.0}) {
+    const Truss truss(sign * 0.25, 100);
+    std::vector<double> way = steps(0.55, 22);
+    for (double& u : way) u *= sign;
+    PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), way);
+    ASSERT_EQ(path.status, SolveStatus::CONVERGED);
+    for (const bool back : {false, true}) {
+      if (back) std::reverse(path.points.begin(), path.points.end());
+      int lost = -1;
+      EquilibriumSolver solver(truss, {});
+      std::vector<Feature> found = locateFeatures(solver, path.points, &lost);
+      if (back) std::reverse(found.begin(), found.end());
+      ASSERT_EQ(found.size(), 5u);
+      EXPECT_EQ(lost, 0);
+      EXPECT_EQ(found[1].kind, FeatureKind::PEAK) << sign << back;
+      EXPECT_EQ(found[3].kind, FeatureKind::VALLEY) << sign << back;
+      EXPECT_GT(sign * found[1].point.force, 5e-3);
+    }
   }
 }
 

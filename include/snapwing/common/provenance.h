@@ -2,6 +2,7 @@
 /// Hashes and versions that tie a result to its inputs.
 
 #include <string>
+#include <vector>
 
 #include "snapwing/common/output_file.h"
 
@@ -11,6 +12,9 @@ namespace snapwing::common {
 std::string sha256(const std::string& bytes);
 /// SHA-256 of a file's bytes. @throws FileError
 std::string sha256OfFile(const std::string& path);
+/// Of a settings file and of the files that it names, in their order; without any, that of the file alone.
+/// @throws FileError
+std::string sha256OfInputs(const std::string& path, const std::vector<std::string>& named);
 /// snapwing's version, e.g. "0.1.0".
 std::string version();
 /// Whole file as bytes. @throws FileError

@@ -77,7 +77,8 @@ class SettingsReader {
   /// Every file that resolvePath() was asked for so far, in this map or any other of the file.
   const std::vector<std::string>& namedFiles() const;
   /// What the map says, whatever the order of its keys, its comments and the way its numbers are written.
-  /// @param except  dotted keys that are left out; "a[].b" is b of every entry of a
+  /// @param except  dotted keys that are left out; "a[].b" is b of every entry of a, "*.b" is b in any map but the
+  /// first
   std::string content(const std::set<std::string>& except) const;
   /// Full dotted key of `key` in this map.
   std::string fullKey(const std::string& key) const;

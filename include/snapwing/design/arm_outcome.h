@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "snapwing/design/arm_check.h"
 #include "snapwing/design/arm_parts.h"
@@ -34,10 +35,14 @@ struct ArmJob {
   bool resume = false;                                 ///< go on from the folder's checkpoint
   std::function<bool(const ArmProgress&)> progress;    ///< each iteration; true cancels
   std::function<bool(const std::string&)> checking;    ///< the case that begins, else ""; true cancels
+  std::function<void(const std::string&)> warning;     ///< what went wrong without ending the run
   std::function<void(const ArmRun&)> optimized;        ///< the end of the optimisation
   std::function<void(const ArmCheck&)> checked;        ///< the end of the check
   std::function<void(const ArmPartsReport&)> printed;  ///< the end of the parts
 };
+
+/// Names of the files in the folder, beside the curves and the parts.
+std::vector<std::string> armOutcomeFiles();
 
 /// Optimises, checks and writes density.csv, history, body.csv, table.h5, curve_*.h5, parts/ and, last, report.json. If
 /// cancelled, the checkpoint stays and no report is written. @throws common::Error

@@ -25,6 +25,8 @@ struct ArmRunOptions {
   int checkpoint_every = 10;  ///< iterations
   /// True cancels.
   std::function<bool(const ArmProgress&)> progress;
+  /// Told once what cannot be kept, as a checkpoint: the run goes on.
+  std::function<void(const std::string&)> warning;
 };
 
 struct ArmRun {

@@ -31,8 +31,9 @@ struct ArmTargets {
 
 struct ArmDesignSettings {
   std::string name, file;
-  common::Vehicle vehicle;  ///< gives domain, ports, thickness, material, unless there is a scene
-  bool user_scene = false;  ///< the mechanism is `scene`, with the density of `body` to be designed
+  std::vector<std::string> named_files;  ///< that are read: the vehicle's, or the scene's and all that it names
+  common::Vehicle vehicle;               ///< gives domain, ports, thickness, material, unless there is a scene
+  bool user_scene = false;               ///< the mechanism is `scene`, with the density of `body` to be designed
   statics::Scene scene;
   int body = 0;
   int copies = 4;             ///< equal mechanisms that act together

@@ -58,9 +58,10 @@ struct WingStackSettings {
 
 struct WingSettings {
   std::string name;
-  std::string file;            ///< where it was read from; empty if built in code
-  std::string vehicle_file;    ///< absolute path
-  std::string rung = "rigid";  ///< bars that the design is made on: rigid, elastic (beams) or solid
+  std::string file;                      ///< where it was read from; empty if built in code
+  std::string vehicle_file;              ///< absolute path
+  std::vector<std::string> named_files;  ///< that the settings file names
+  std::string rung = "rigid";            ///< bars that the design is made on: rigid, elastic (beams) or solid
 
   Eigen::Vector2d auxiliary_joint{0.035, 0.020};
   Eigen::Vector2d rotation_centre{0.055, 0.020};

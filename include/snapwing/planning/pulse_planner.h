@@ -104,7 +104,9 @@ class PulsePlanner {
   TransitionPlan plan(common::Mode start, const rom::Trial& trial) const;
 
   /// Outcome over a grid of pulses, over the search's realisations.
-  OutcomeMap map(common::Mode start, const rom::Trial& trial, int throttles, int durations) const;
+  /// @param progress  told how many pulses of how many are done, from any thread, one call at a time
+  OutcomeMap map(common::Mode start, const rom::Trial& trial, int throttles, int durations,
+                 const std::function<void(int done, int all)>& progress = {}) const;
 
   const PlannerSettings& settings() const { return settings_; }
 

@@ -9,6 +9,7 @@
 #include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/elasticity/material.h"
 #include "snapwing/mpm/density_field.h"
+#include "snapwing/statics/features.h"
 #include "snapwing/statics/path.h"
 
 namespace snapwing::statics {
@@ -54,6 +55,7 @@ struct ArmCurveSettings {
   double to = 0.080;     ///< [m] > 0
   double step = 0.001;   ///< [m] > 0
   bool back = true;      ///< trace to -> 0 as well
+  bool locate = false;   ///< solve for peaks, valleys and zeros between 0 and to
   PathSettings path;
   /// Told the share that is done and the travel [m]; true cancels.
   std::function<bool(double share, double travel)> progress;
@@ -64,6 +66,7 @@ struct ArmCurve {
   SolveStatus status = SolveStatus::NOT_SOLVED;
   std::string message;
   common::ForceTable table;  ///< without provenance
+  LocatedFeatures located;   ///< forces and energies of the problem: one arm; empty if not asked for
   int iterations = 0, factorizations = 0, projections = 0, halvings = 0;
   double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;
 };

@@ -87,6 +87,7 @@ class PathFollower {
   Predictor predictor_;
   Equilibrium place_;
   PathResult result_;
+  int factorizations_before_ = 0;
 };
 
 }  // namespace snapwing::statics

@@ -25,19 +25,21 @@ SceneKernel kernelFromName(const std::string& name);
 
 /// One measured way to trace a scene.
 struct TradeRow {
-  std::string scene, rung, kernel, file;
+  std::string scene, content_sha256, rung, kernel, file;
   double cell_size = 0;  ///< [m]
   double error = 0;      ///< share of the reference [1]
   double seconds = 0;    ///< of the whole curve, where it was measured
 };
 
-/// All rows of the tables `*.csv` in a folder that have the columns scene, rung, kernel, cell_size_m, error (or
-/// error_percent) and seconds, in any order; files without them are left alone. Empty if there is no such folder.
+/// All rows of the tables `*.csv` in a folder that have the columns scene, content_sha256, rung, kernel, cell_size_m,
+/// error (or error_percent) and seconds, in any order; files without them are left alone. Empty if there is no such
+/// folder.
 std::vector<TradeRow> loadTrade(const std::string& folder);
 
 /// The cheapest row of a scene with at most that error, or the most accurate one within the time; both may be asked.
+/// Rows belong to what they were measured on by its content, not by its name.
 /// @throws common::Error saying what was measured, if nothing satisfies it
-TradeRow chooseRow(const std::vector<TradeRow>& rows, const std::string& scene, std::optional<double> error,
+TradeRow chooseRow(const std::vector<TradeRow>& rows, const Scene& scene, std::optional<double> error,
                    std::optional<double> seconds);
 
 }  // namespace snapwing::statics

@@ -97,7 +97,12 @@ struct SceneMonitor {
 };
 
 struct Scene {
-  std::string name, file, sha256;
+  std::string name, file;
+  std::vector<std::string> named_files;  ///< that the scene's file names: densities, STL
+  std::string sha256;                    ///< of the file and of all that it names
+  /// Hash of what is computed, not of how finely: bodies, materials, constraints, loads, length of the path. Names,
+  /// kernel, cells, particles, steps, monitors and the way in which a pin holds its section do not count.
+  std::string content_sha256;
   int dimension = 2;
   elasticity::Plane plane = elasticity::Plane::STRAIN;
   SceneKernel kernel = SceneKernel::LINEAR_REDUCED;
