@@ -207,7 +207,7 @@ def main():
             for hog in hogs:
                 hog.kill()
                 hog.wait()
-    rows = [Row(kind, results.of(kind)) for kind in kinds]
+    rows = [row for row in (Row(kind, results.of(kind)) for kind in kinds) if row.trials + row.void > 0]
     notes = [line for row in rows for line in notes_on(row)]
     foot = (f"\n{time.strftime('%Y-%m-%d')}, {platform.system()} {platform.release().split('-')[0]}, {os.cpu_count()} cores, "
             f"{sum(row.trials for row in rows)} trials.")

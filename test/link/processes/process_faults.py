@@ -166,7 +166,7 @@ class WallClockSet(Suspended):
 
 class GuardianKilled(Fault):
     name = "guardian: kill -9"
-    promise = 0.08
+    promise = 0.10  # seen after a frame, and the next one is safe
     guard = "bridge: refuses to pulse without it"
     signal = signal.SIGKILL
 
