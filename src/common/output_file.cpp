@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -210,8 +211,14 @@ void OutputFiles::writes(const std::string& path, const std::string& option) {
   for (const Entry& other : outputs_) {
     if (same(entry, other)) throw FileError(path, option + " and " + other.what + " are one file");
   }
-  requireWritable(path);
+  if (!toBeMade(path)) requireWritable(path);
   outputs_.push_back(entry);
+}
+
+bool OutputFiles::toBeMade(const std::string& path) const {
+  std::error_code error;
+  const fs::path folder = fs::absolute(path, error).lexically_normal().parent_path();
+  return std::find(folders_.begin(), folders_.end(), folder.string()) != folders_.end() && !fs::exists(folder, error);
 }
 
 void OutputFiles::fills(const std::string& folder, const std::string& option) {
@@ -221,6 +228,7 @@ void OutputFiles::fills(const std::string& folder, const std::string& option) {
   while (!fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
   if (!fs::is_directory(at, error)) throw FileError(folder, option + ": '" + at.string() + "' is no folder");
   if (::access(at.c_str(), W_OK | X_OK) != 0) throw FileError(folder, option + ": cannot be written to: " + reason());
+  folders_.push_back((fs::absolute(folder, error) / "any").lexically_normal().parent_path().string());
 }
 
 }  // namespace snapwing::common

@@ -179,6 +179,10 @@ TEST_F(OutputFile, NoTwoOutputsAreOneFileAndFoldersAreLookedAt) {
   files.writes("/dev/null", "--summary");
   EXPECT_EQ(messageOf([&] { files.writes("/dev/null", "--plot"); }), "");
   EXPECT_EQ(messageOf([&] { files.fills(in("new/folder"), "--vtu"); }), "");
+  EXPECT_EQ(messageOf([&] { files.writes(in("new/folder/a.csv"), "--vtu"); }), "") << "the folder is to be made";
+  EXPECT_NE(messageOf([&] { files.writes(in("new/other/a.csv"), "--csv"); }).find("does not exist"), std::string::npos);
+  EXPECT_EQ(messageOf([&] { files.fills(in("late") + "/", "--output"); }), "");
+  EXPECT_EQ(messageOf([&] { files.writes(in("late/a.csv"), "--output"); }), "");
   EXPECT_FALSE(fs::exists(in("new")));
   with("file", "");
   EXPECT_NE(messageOf([&] { files.fills(in("file/folder"), "--vtu"); }).find("is no folder"), std::string::npos);

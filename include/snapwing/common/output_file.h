@@ -45,8 +45,11 @@ class OutputFiles {
     bool exists = false, through = false;
   };
   static Entry entryOf(const std::string& path, const std::string& what);
+  /// True for a file in a folder of fills() that is not there yet.
+  bool toBeMade(const std::string& path) const;
   static bool same(const Entry& a, const Entry& b);
   std::vector<Entry> inputs_, outputs_;
+  std::vector<std::string> folders_;  ///< that fills() was told
 };
 
 }  // namespace snapwing::common

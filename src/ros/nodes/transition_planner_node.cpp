@@ -34,7 +34,11 @@ namespace snapwing::nodes {
 
 namespace {
 
-constexpr double SEAL_PERIOD = 0.06;  // [s] between two seals of a pulse that nobody has taken yet
+// A seal holds for a tenth of a second, and on a busy machine the first may come too late: a pulse that nobody has
+// taken is sealed anew for a while, under its id, which the link takes only once.
+constexpr double SEAL_PERIOD = 0.06;    // [s]
+constexpr double LAST_SEAL = 0.25;      // [s] before accept_timeout
+constexpr double COMMAND_MARGIN = 0.1;  // [s] before accept_timeout, by which the last of them is too old to be taken
 
 planning::SwitchSettings readSwitch(Params& params) {
   planning::SwitchSettings s;
@@ -42,6 +46,7 @@ planning::SwitchSettings readSwitch(Params& params) {
   s.accept_timeout = params.number("accept_timeout", {0.3, 5.0}, "s");
   s.settle_timeout = params.number("settle_timeout", {0.1, 30.0}, "s");
   s.settle_hold = params.number("settle_hold", {0.0, 5.0}, "s");
+  s.command_life = s.accept_timeout - COMMAND_MARGIN;
   s.attempts = params.integer("attempts", 1, 5);
   s.validate();
   return s;
@@ -289,8 +294,6 @@ class TransitionPlannerNode {
     return result.plan.accepted || finish(result, Result::REFUSED, "no safe pulse: " + result.plan.reason);
   }
 
-  /// A seal holds for a tenth of a second only: on a busy machine the first may come too late. So a pulse that nobody
-  /// has taken is sealed and sent again, under its id, which the link takes only once.
   void seal(PulseCommand& command) {
     const LinkStatus heard = newestLink();
     const link::CommandSealer sealer(key_, vehicle_id_);
@@ -305,16 +308,17 @@ class TransitionPlannerNode {
     const std::uint32_t first_id = std::max(last_id_ + 1, ros::Time::now().sec);
     planning::SwitchProtocol protocol(settings_, target, result.plan.pulse.duration, first_id);
     const double since = Clocks::read().steady;
-    double sent = since;
+    double sent = 0, published = 0;
     for (ros::WallRate rate(50);; rate.sleep()) {
       const planning::SwitchAction action = protocol.step(view());
       last_id_ = protocol.id();
       if (action == planning::SwitchAction::FINISH) break;
       const double now = Clocks::read().steady;
-      const bool again = protocol.state() == planning::SwitchState::SENT && now - sent >= SEAL_PERIOD;
-      if (action == planning::SwitchAction::SEND || again) {
+      if (action == planning::SwitchAction::SEND) sent = now, published = -1;
+      const bool waits = protocol.state() == planning::SwitchState::SENT;
+      if (waits && now - published >= SEAL_PERIOD && now - sent <= settings_.accept_timeout - LAST_SEAL) {
         sendPulse(protocol.id(), result.plan.pulse);
-        sent = now;
+        published = now;
       }
       const bool settling = protocol.state() == planning::SwitchState::SETTLING;
       report(settling ? Feedback::SETTLING : Feedback::PULSE, since, target);
