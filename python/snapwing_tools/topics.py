@@ -55,6 +55,9 @@ SERIES = [
         _column("reading_age", "s", meaning="of the newest IMU reading in the estimate"),
     ], "estimated travel and mode probability"),
     Topic("link_status", "snapwing/LinkStatus", [
+        _column("vehicle_id", "", "text"),
+        _column("session", "", "int", meaning="of the bridge"),
+        _column("number", "1", "int", meaning="of the bridge's frame"),
         _column("bridge_state", "", "int", meaning="0 unknown, 1 idle, 2 armed, 3 pulse, 4 fault"),
         _column("bridge_fault", "", "text"),
         _column("pulse_id", "", "int"),

@@ -19,12 +19,12 @@ const mpm::QuadratureRule<D>& finestRule(const mpm::Discretisation<D>& solid, in
 
 template <int D>
 MovingMass movingMass(const mpm::Discretisation<D>& solid, const std::vector<double>& mass_density,
-                      const Eigen::VectorXd& rate, const mpm::Vector<D>& axis) {
+                      const Eigen::VectorXd& rate, const mpm::Vector<D>& axis, const std::vector<int>& rules) {
   MovingMass sum;
   for (int c = 0; c < solid.cellCount(); ++c) {
     const mpm::Cell& cell = solid.cell(c);
     const double cell_mass = mass_density[solid.cellBody(c)] * cell.density * cell.measure;
-    const mpm::QuadratureRule<D>& rule = finestRule(solid, cell.kind);
+    const mpm::QuadratureRule<D>& rule = rules.empty() ? finestRule(solid, cell.kind) : solid.rule(rules[c]);
     for (int q = 0; q < rule.size(); ++q) {
       mpm::Vector<D> moves = mpm::Vector<D>::Zero();
       for (int a = 0; a < rule.stencil; ++a) {
@@ -40,8 +40,8 @@ MovingMass movingMass(const mpm::Discretisation<D>& solid, const std::vector<dou
 }
 
 template MovingMass movingMass<2>(const mpm::Discretisation<2>&, const std::vector<double>&, const Eigen::VectorXd&,
-                                  const mpm::Vector<2>&);
+                                  const mpm::Vector<2>&, const std::vector<int>&);
 template MovingMass movingMass<3>(const mpm::Discretisation<3>&, const std::vector<double>&, const Eigen::VectorXd&,
-                                  const mpm::Vector<3>&);
+                                  const mpm::Vector<3>&, const std::vector<int>&);
 
 }  // namespace snapwing::statics

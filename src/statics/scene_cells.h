@@ -35,6 +35,8 @@ class SceneCells {
       visit(x, rule.valueOf(p), rule.weight[p] * solid_->cell(cell).measure);
     }
   }
+  /// Number of each cell's quadrature rule, rigid bodies' too.
+  const std::vector<int>& rules() const { return cell_rule_; }
   double droppedShare() const { return total_ > 0 ? dropped_ / total_ : 0; }
   /// Volume of the material that the cells hold, rho V summed, of what was built [m3].
   double volume() const { return volume_; }

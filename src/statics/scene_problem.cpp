@@ -83,7 +83,7 @@ class CompiledSceneOf : public CompiledScene {
     for (const SceneBody& body : scene_.bodies) density.push_back(body.material.mass_density);
     Vector<D> axis = Vector<D>::Zero();
     if (!scene_.ports.empty()) axis = -scene_.ports.front().direction.template head<D>();
-    MovingMass sum = statics::movingMass<D>(solid_->solid(), density, rate, axis);
+    MovingMass sum = statics::movingMass<D>(solid_->solid(), density, rate, axis, geometry_->rules());
     for (double* value : {&sum.mass, &sum.kinetic, &sum.coupled}) *value *= multiplicity_;
     return sum;
   }

@@ -26,6 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string folder = path + "_trade";
   ::mkdir(folder.c_str(), 0700);
   ::rename(path.c_str(), (folder + "/t.csv").c_str());
-  taken([&] { statics::chooseRow(statics::loadTrade(folder), "snap_beam", 0.1, {}); });
+  statics::Scene scene;
+  scene.content_sha256 = "ab";
+  taken([&] { statics::chooseRow(statics::loadTrade(folder), scene, 0.1, {}); });
   return 0;
 }

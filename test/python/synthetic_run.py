@@ -117,7 +117,7 @@ def link_message(time, number, pulse_id, throttle, armed, failsafe=False):
     micros = int(1000 + 1000 * throttle) if throttle else 1000
     state = 3 if throttle else (2 if armed else 1)
     motors = [int(1070 + 0.93 * (micros - 1000)) if armed else 1000] * 4
-    return Message(header=header(time), bridge_state=4 if failsafe else state, bridge_fault="", pulse_id=pulse_id,
+    return Message(header=header(time), vehicle_id="made_up", session=1, number=number, bridge_state=4 if failsafe else state, bridge_fault="", pulse_id=pulse_id,
                    frames_sent=number, channels=[1500, 1500, micros, 1500, 1900 if armed else 1000, 1000, 1000, 1000],
                    commanded_throttle=throttle, commands_accepted=pulse_id, commands_refused=0, last_refusal="",
                    period_worst=0.021, controller_connected=True, controller_armed=armed and not failsafe,
@@ -127,7 +127,8 @@ def link_message(time, number, pulse_id, throttle, armed, failsafe=False):
 
 def _send(buffer, name, message):
     topic = next(t for t in topics.SERIES + topics.LATCHED if t.name == name)
-    buffer.add(topic, message, message.header.stamp + 0.001)
+    # Both clocks go on together, as in a run that nobody disturbs.
+    buffer.add(topic, message, message.header.stamp + 0.001, steady=message.header.stamp - ORIGIN + 1000.0)
 
 
 def make_buffer(pulses=None, leave_out=(), seconds=10.0, provenance=None):
@@ -136,9 +137,11 @@ def make_buffer(pulses=None, leave_out=(), seconds=10.0, provenance=None):
     motion = simulate(list(pulses.values()), seconds)
     buffer = RunBuffer(ORIGIN, provenance or {"snapwing_version": "0.1.0", "recorder_command": "test"})
 
+    messages = []
+
     def send(name, message):
         if name not in leave_out:
-            _send(buffer, name, message)
+            messages.append((name, message))
     send("force_curve", curve_message())
     send("arm_geometry", geometry_message())
     for number, (name, (start, throttle, duration)) in enumerate(pulses.items(), 1):
@@ -147,6 +150,8 @@ def make_buffer(pulses=None, leave_out=(), seconds=10.0, provenance=None):
                                       pulse=Message(throttle=throttle, duration=duration), mixed=False, pitch=0.0))
     _send_motion(send, motion)
     _send_frames(send, pulses, seconds)
+    for name, message in sorted(messages, key=lambda pair: pair[1].header.stamp):
+        _send(buffer, name, message)
     return buffer
 
 

@@ -84,7 +84,8 @@ class Schema(unittest.TestCase):
                 self.assertEqual(column.kind, expected, topic.name + " " + column.path)
 
     def test_every_field_is_recorded(self):
-        left_out = {"header", "outline"}  # the outline is in the force table, with its motion
+        # The outline is in the force table, with its motion; a seal is of no use later.
+        left_out = {"header", "outline", "seal"}
         for topic in self.own():
             recorded = {column.path.split(".")[0] for column in topic.columns}
             self.assertEqual(set(message_fields(topic.message.split("/")[1])) - left_out - recorded, set(), topic.name)
@@ -201,8 +202,12 @@ class BadRunFiles(unittest.TestCase):
             change(file)
 
     def test_later_version(self):
+        self.damage(lambda file: file.attrs.modify("format_version", 3))
+        self.refused("format version 3")
+
+    def test_earlier_version(self):
         self.damage(lambda file: file.attrs.modify("format_version", 1))
-        self.refused("format version 2")
+        self.refused("format version 1")
 
     def test_missing_dataset(self):
         self.damage(lambda file: file.__delitem__("truth/travel"))

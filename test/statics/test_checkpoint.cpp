@@ -96,10 +96,10 @@ TEST(Rung, TheCheapestRowMeasuredOnThisContentIsTaken) {
   }
   EXPECT_TRUE(loadTrade(folder + "/none").empty());
   const std::string other = ::testing::TempDir() + "snapwing_trade_wrong",
-                    head = "seconds,scene,rung,kernel,cell_size_m,error";
+                    head = "seconds,scene,content_sha256,rung,kernel,cell_size_m,error";
   std::filesystem::create_directories(other);
   for (const std::string& text :
-       {head + "\n0,5,beam,planar,linear,4e-4,0.1\n", head + ",error\n0.5,beam,planar,linear,4e-4,1\n"}) {
+       {head + "\n0,5,beam,ab,planar,linear,4e-4,0.1\n", head + ",error\n0.5,beam,ab,planar,linear,4e-4,1\n"}) {
     common::writeFileAtomically(other + "/beam.csv", text);
     EXPECT_THROW(loadTrade(other), common::FileError) << text;
   }

@@ -35,7 +35,7 @@ class GivenScenes(unittest.TestCase):
         self.folder = folder.name
 
     def curve(self, scene, **more):
-        return subprocess.run([SNAPWING, "curve", scene, "-q", "-o", "o.csv"], cwd=self.folder, capture_output=True, text=True,
+        return subprocess.run([SNAPWING, "curve", scene, "-q", "--json", "-o", "o.csv"], cwd=self.folder, capture_output=True, text=True,
                               check=False, timeout=250, **more)
 
     def force(self):

@@ -18,8 +18,10 @@ struct MovingMass {
 /// @param mass_density  of each body at full density [kg/m3]; a cell has it times its density
 /// @param rate          nodal displacements per control, du/dp [1], (dofCount x 1)
 /// @param axis          unit vector
+/// @param rules         number of each cell's quadrature rule; empty: the finest of its terms, which cells without a
+///                      constitutive law (rigid bodies) do not have
 template <int D>
 MovingMass movingMass(const mpm::Discretisation<D>& solid, const std::vector<double>& mass_density,
-                      const Eigen::VectorXd& rate, const mpm::Vector<D>& axis);
+                      const Eigen::VectorXd& rate, const mpm::Vector<D>& axis, const std::vector<int>& rules = {});
 
 }  // namespace snapwing::statics
