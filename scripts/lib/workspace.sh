@@ -37,11 +37,14 @@ install_missing() {
   rm -f "$log"
 }
 
-# A build folder that was copied along with the tree names another source folder; CMake would refuse it.
+# A build folder that was copied along with the tree names another source folder; CMake would refuse it. One that
+# SNAPWING_BUILD names elsewhere may be another tree's own and is left alone.
 drop_foreign_build() {
   local cache=$SNAPWING_BUILD/CMakeCache.txt
   [ -f "$cache" ] || return 0
-  grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$SNAPWING_ROOT" "$cache" || rm -rf "$SNAPWING_BUILD"
+  grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$SNAPWING_ROOT" "$cache" && return 0
+  [ "$SNAPWING_BUILD" -ef "$SNAPWING_ROOT/build" ] || die "SNAPWING_BUILD: $SNAPWING_BUILD belongs to another source folder"
+  rm -rf "$SNAPWING_BUILD"
 }
 
 build() {
