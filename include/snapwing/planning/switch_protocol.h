@@ -2,27 +2,27 @@
 /// What one mode switch does after its plan: ready, send, watch, settle, and send again what nobody took. Pure: told
 /// what is known and the time of a steady clock, it says what to do next; whoever carries the messages asks it often.
 ///
-/// | state    | event            | next     | outcome     | when |
-/// |----------|------------------|----------|-------------|----------------------------------------------------------------|
-/// | READY    | STOP_ASKED       | DONE     | PREEMPTED   | somebody withdrew the goal | | READY    | SOMETHING_LACKS
-/// | DONE     | NOT_READY   | missing() names one thing or more                              | | READY    | ALL_THERE
-/// | SENT     |             | action SEND                                                    | | SENT     | LINK_FAILED
-/// | DONE     | LINK_LOST   | no fresh status, a fault, failsafe, disarmed                   | | SENT     | STOP_ASKED
-/// | DONE     | PREEMPTED   | the bridge ends the pulse by its own clock                     | | SENT     | TAKEN |
-/// RUNNING  |             | the status shows the pulse's id                                | | SENT     | REFUSED |
-/// DONE     | NOT_READY   | the status counts one refusal more                             | | SENT     |
-/// LOST_ON_THE_WAY  | READY    |             | accept_timeout is over, the status is newer than the command   | | | |
-/// |             | can live and shows another id; attempts are left               | | SENT     | NEVER_TAKEN      |
-/// DONE     | LINK_LOST   | likewise, no attempts left                                     | | RUNNING  | LINK_FAILED
-/// | DONE     | LINK_LOST   |                                                                | | RUNNING  | STOP_ASKED
-/// | DONE     | PREEMPTED   |                                                                | | RUNNING  | ENDED |
-/// SETTLING |             | its time is over and the bridge sends no pulse                 | | RUNNING  | DOES_NOT_END
-/// | DONE     | LINK_LOST   | the bridge still sends it accept_timeout later                 | | SETTLING | LINK_FAILED
-/// | DONE     | LINK_LOST   |                                                                | | SETTLING | STOP_ASKED
-/// | DONE     | PREEMPTED   |                                                                | | SETTLING | STAYED |
-/// DONE     | SUCCEEDED   | readings have shown the target mode for settle_hold            | | SETTLING | STAYED_AWAY
-/// | DONE     | WRONG_MODE  | settle_timeout is over, readings show the mode of the start    | | SETTLING |
-/// NOTHING_SEEN     | DONE     | NOT_SETTLED | settle_timeout is over, the mode is not known                  |
+/// | state    | event           | next     | outcome     | when |
+/// |----------|-----------------|----------|-------------|------------------------------------------------------------|
+/// | READY    | STOP_ASKED      | DONE     | PREEMPTED   | somebody withdrew the goal |
+/// | READY    | SOMETHING_LACKS | DONE     | NOT_READY   | missing() names one thing or more |
+/// | READY    | ALL_THERE       | SENT     |             | action SEND |
+/// | SENT     | LINK_FAILED     | DONE     | LINK_LOST   | no fresh status, a fault, failsafe, disarmed |
+/// | SENT     | STOP_ASKED      | DONE     | PREEMPTED   | the bridge ends the pulse by its own clock |
+/// | SENT     | TAKEN           | RUNNING  |             | the status shows the pulse's id |
+/// | SENT     | REFUSED         | DONE     | NOT_READY   | the status counts one refusal more |
+/// | SENT     | LOST_ON_THE_WAY | READY    |             | accept_timeout is over, the status is newer than the |
+/// |          |                 |          |             | command can live and shows another id; attempts are left |
+/// | SENT     | NEVER_TAKEN     | DONE     | LINK_LOST   | likewise, no attempts left |
+/// | RUNNING  | LINK_FAILED     | DONE     | LINK_LOST   | |
+/// | RUNNING  | STOP_ASKED      | DONE     | PREEMPTED   | |
+/// | RUNNING  | ENDED           | SETTLING |             | its time is over and the bridge sends no pulse |
+/// | RUNNING  | DOES_NOT_END    | DONE     | LINK_LOST   | the bridge still sends it accept_timeout later |
+/// | SETTLING | LINK_FAILED     | DONE     | LINK_LOST   | |
+/// | SETTLING | STOP_ASKED      | DONE     | PREEMPTED   | |
+/// | SETTLING | STAYED          | DONE     | SUCCEEDED   | readings have shown the target mode for settle_hold |
+/// | SETTLING | STAYED_AWAY     | DONE     | WRONG_MODE  | settle_timeout is over, readings show the starting mode |
+/// | SETTLING | NOTHING_SEEN    | DONE     | NOT_SETTLED | settle_timeout is over, the mode is not known |
 ///
 /// Where several events hold, the first one in this table counts. What no row names changes nothing.
 
