@@ -15,7 +15,7 @@ from ros_faults import RosBench  # noqa: E402
 
 TABLE = re.findall(r"^\| (`.*?`) \|", (SOURCE / "docs/safety.md").read_text(encoding="utf-8").split("## The operator's commands")[1]
                    .split("\n## ")[0], re.MULTILINE)
-COMMANDS = [command for cell in TABLE for command in re.findall("`([^`]+)`", cell)]
+COMMANDS = [command for cell in TABLE for command in re.findall("`((?:scripts/|rosservice )[^`]+)`", cell)]
 
 
 class Bringup(RosBench):
