@@ -1,6 +1,11 @@
 #include "snapwing/common/hdf5_file.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <vector>
 
@@ -35,13 +40,30 @@ void writeAttribute(hid_t object, const std::string& name, const std::string& te
   check(H5Awrite(attribute, type, text.c_str()), path, "write the attribute " + name);
 }
 
+namespace {
+
+/// True if another program holds the file open for writing: HDF5 locks it then, and its own message says nothing of it.
+bool lockedByAWriter(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool locked = flock(file, LOCK_SH | LOCK_NB) < 0 && errno == EWOULDBLOCK;
+  close(file);
+  return locked;
+}
+
+}  // namespace
+
 hid_t openFile(const std::string& path) {
   std::error_code none;
   const std::filesystem::file_status status = std::filesystem::status(path, none);
   if (!std::filesystem::exists(status)) throw FileError(path, "does not exist");
   if (!std::filesystem::is_regular_file(status))
     throw FileError(path, "is no plain file; HDF5 is read from files only");
-  return H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0 && lockedByAWriter(path)) {
+    throw FileError(path, "is locked: another program has it open for writing; allowed: a file that no program writes");
+  }
+  return file;
 }
 
 std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& path) {

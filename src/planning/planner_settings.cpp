@@ -2,23 +2,31 @@
 #include <string>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
 #include "snapwing/planning/pulse_planner.h"
 
 namespace snapwing::planning {
 
 namespace {
-void require(bool good, const char* name, double value, const char* allowed) {
+void require(bool good, const char* name, double value, const std::string& allowed) {
   if (!good) {
-    throw common::Error(std::string("planner: ") + name + " is " + std::to_string(value) + "; allowed: " + allowed);
+    throw common::Error(std::string("planner: ") + name + " is " + common::toText(value) + "; allowed: " + allowed);
   }
+}
+
+/// Two bounds of a pulse. Where they cross, the upper one is named: it is the one that `snapwing plan` lets a user
+/// give.
+void requireBounds(const std::string& quantity, double min, double max, double most, const std::string& unit) {
+  const std::string lower = quantity + "_min", upper = quantity + "_max", up_to = common::toText(most) + unit;
+  require(min >= 0 && min < most, lower.c_str(), min, "0 .. below " + up_to);
+  require(max > min && max <= most, upper.c_str(), max,
+          "above " + lower + " (" + common::toText(min) + unit + "), up to " + up_to);
 }
 }  // namespace
 
 void PlannerSettings::validate() const {
-  require(throttle_min >= 0 && throttle_min < throttle_max, "throttle_min", throttle_min, "0 .. below throttle_max");
-  require(throttle_max <= 1, "throttle_max", throttle_max, "up to 1");
-  require(duration_min >= 0 && duration_min < duration_max, "duration_min", duration_min, "0 .. below duration_max, s");
-  require(duration_max <= 10, "duration_max", duration_max, "up to 10 s");
+  requireBounds("throttle", throttle_min, throttle_max, 1, "");
+  requireBounds("duration", duration_min, duration_max, 10, " s");
   require(scan_throttles >= 2 && scan_throttles <= 1000, "scan_throttles", scan_throttles, "2 .. 1000");
   require(scan_durations >= 2 && scan_durations <= 1000, "scan_durations", scan_durations, "2 .. 1000");
   require(search_samples >= 1 && search_samples <= 100000, "search_samples", search_samples, "1 .. 100000");

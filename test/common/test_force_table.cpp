@@ -1,5 +1,8 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -120,6 +123,23 @@ TEST(ForceTable, BadTablesAndFilesAreRefused) {
   EXPECT_THROW(loadForceTable(path), FileError);
   writeFileAtomically(path, "");
   EXPECT_THROW(loadForceTable(path), FileError);
+  std::filesystem::remove(path);
+}
+
+/// A writer of HDF5 holds its file by flock(2).
+TEST(ForceTable, TableThatAnotherProgramWritesIsSaidToBeLocked) {
+  const std::string path = testing::TempDir() + "locked_table.h5";
+  saveForceTable(cubicTable(), path);
+  const int writer = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(writer, LOCK_EX | LOCK_NB), 0);
+  try {
+    loadForceTable(path);
+    ADD_FAILURE() << "taken";
+  } catch (const FileError& e) {
+    EXPECT_NE(std::string(e.what()).find("another program has it open for writing"), std::string::npos) << e.what();
+  }
+  close(writer);
+  EXPECT_EQ(loadForceTable(path).travel, cubicTable().travel);
   std::filesystem::remove(path);
 }
 

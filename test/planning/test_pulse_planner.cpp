@@ -170,6 +170,23 @@ TEST_F(PlannerTest, MapAgreesWithThePlan) {
   EXPECT_GT(never, 5);
 }
 
+TEST_F(PlannerTest, NamesTheUpperBoundWhereTwoBoundsCross) {
+  const auto message = [this](double throttle_max, double duration_max) {
+    PlannerSettings bad = quick_;
+    bad.throttle_max = throttle_max;
+    bad.duration_max = duration_max;
+    try {
+      bad.validate();
+    } catch (const common::Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_EQ(message(0.8, 0.0), "planner: duration_max is 0; allowed: above duration_min (0.1 s), up to 10 s");
+  EXPECT_EQ(message(0.1, 0.4), "planner: throttle_max is 0.1; allowed: above throttle_min (0.1), up to 1");
+  EXPECT_EQ(message(0.8, 0.4), "taken");
+}
+
 TEST_F(PlannerTest, RefusesBadSettings) {
   quick_.duration_min = 2.0;
   EXPECT_THROW(PulsePlanner(vehicle_, table_, quick_), common::Error);

@@ -42,7 +42,7 @@ struct QuietErrors {
 void check(herr_t status, const std::string& path, const std::string& what);
 
 /// Opens a file for reading. HDF5 prints nothing from then on where the caller holds QuietErrors.
-/// @throws FileError if it is missing, no plain file (a pipe cannot be searched) or no HDF5
+/// @throws FileError if it is missing, no plain file (a pipe cannot be searched), locked by a writer or no HDF5
 hid_t openFile(const std::string& path);
 
 /// Number of elements of a dataset of one dimension. @throws FileError for another rank or more than can be meant
