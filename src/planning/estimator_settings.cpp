@@ -33,6 +33,7 @@ void EstimatorSettings::validate() const {
   require(travel_error >= 0 && travel_error <= 0.01, "travel_error", travel_error, "0 .. 0.01 m");
   require(outlier_share >= 0 && outlier_share < 1, "outlier_share", outlier_share, "0 .. below 1");
   require(step > 0 && step <= 0.01, "step", step, "above 0, up to 0.01 s");
+  require(hurried_step >= step && hurried_step <= 0.01, "hurried_step", hurried_step, "step .. 0.01 s");
   require(longest_gap >= 0.01 && longest_gap <= 10, "longest_gap", longest_gap, "0.01 .. 10 s");
   require(least_effective >= 0 && least_effective < 0.5, "least_effective", least_effective, "0 .. below 0.5");
   require(sure > 0.5 && sure < 1, "sure", sure, "between 0.5 and 1");

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "outside_force.h"
 #include "parameter_cloud.h"
+#include "particles.h"
 #include "random_source.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/pulse.h"
@@ -28,8 +28,6 @@ constexpr double LEAST_NOISE = 0.002;       // [m/s per square root of s] of u' 
 constexpr double COMMON_NOISE = 0.05;       // [m/s per square root of s] of the common speed: drag, thrust not modelled
 constexpr double MOVING = 0.1;              // [m/s] of u', above which errors of the travel show in full
 constexpr double MOST_RESTITUTION = 0.6;    // [1] of the mechanical stops
-constexpr int LEAST_KIND = 5;               // at least one of so many particles is touched, and one is not
-constexpr int LEAST_BASIN = 10;             // likewise, of those in each of the two modes
 constexpr double SAMPLING_MARGIN = 3.0;     // [1] standard deviations of the particles' own error
 constexpr double DECIDED = 7.0;             // [1] log odds beyond which their error so far is forgotten
 constexpr double LASTING = 4.0;             // [outside_time] no touch lasts this long: something else is wrong
@@ -43,16 +41,6 @@ constexpr double SEARCHED_RATE = 1.0;       // [m/s] standard deviation of their
 constexpr int CANDIDATES = 16;              // [1] states from which each of them chooses
 constexpr double LEAST_EVIDENCE = 5.0;      // [1] correlation times of readings, before which nothing is known
 constexpr std::size_t MOST_CHANGES = 1000;  // of the motors' output that are kept
-
-struct Particle {
-  std::shared_ptr<const rom::LumpedModel> model;
-  rom::LumpedState state;
-  double bias = 0;          ///< [m/s2] of the accelerometer
-  double output_delay = 0;  ///< [s] of outputs read back
-  double restitution = 0;   ///< [1] of a mechanical stop
-  OutsideForce outside;
-  double weight = 1;  ///< normalised
-};
 
 /// A change of the motors' output.
 struct OutputChange {
@@ -81,6 +69,7 @@ struct ModeEstimator::Impl {
   std::shared_ptr<const rom::LumpedModel> modelFor(const common::VehicleParameters& p) const {
     rom::LumpedSettings lumped;
     lumped.step = settings.step;
+    lumped.convergence = 1e-6;  // of the last move; the error left is about its square
     return std::make_shared<rom::LumpedModel>(curves.model(vehicle.radio, p, lumped));
   }
 
@@ -88,7 +77,7 @@ struct ModeEstimator::Impl {
   /// After a gap: nothing is known but what the motors do.
   void beginAnew(double at);
   double outputFor(const Particle& particle, double at) const;
-  void moveTo(double at);
+  void moveTo(double at, double longest_step);
   void forgetOldChanges();
   /// The trial with the force from outside that the particle believes in.
   rom::Trial trialOf(const Particle& particle) const {
@@ -97,7 +86,6 @@ struct ModeEstimator::Impl {
     return around;
   }
   void stopAtLimits(Particle* particle) const;
-  void normalise();
   void weigh(double specific_force);
   /// Of a reading that is no outlier, given the particle. [s2/m]
   double readingDensity(const Particle& particle, double specific_force) const;
@@ -105,32 +93,11 @@ struct ModeEstimator::Impl {
   void doubt(double density, double share);
   /// Puts this share of the particles where the reading could come from.
   void searchAnew(double share, double specific_force);
-  double effective() const {
-    return 1.0 / std::accumulate(particles.begin(), particles.end(), 0.0,
-                                 [](double sum, const Particle& p) { return sum + p.weight * p.weight; });
-  }
   /// Fills in the mode, or why it is not known.
   void judge(ModeEstimate* result) const;
   void resample();
-  /// Draws `count` of those that are touched, or not, keeping the weight of each mode among them.
-  void drawKind(bool touched, int count, std::vector<Particle>* next);
-  /// Draws `count` of `from`, which together weigh `weight`.
-  void draw(const std::vector<const Particle*>& from, int count, double weight, std::vector<Particle>* next);
-  bool inQuadrotor(const Particle& particle) const { return particle.state.travel > barrier; }
-  double shareInQuadrotor() const {
-    double sum = 0;
-    for (const Particle& particle : particles) sum += inQuadrotor(particle) ? particle.weight : 0.0;
-    return std::clamp(sum, 0.0, 1.0);
-  }
-  double shareTouched() const {
-    double sum = 0;
-    for (const Particle& particle : particles) sum += particle.outside.touched() ? particle.weight : 0.0;
-    return std::clamp(sum, 0.0, 1.0);
-  }
   /// Of the mode Q. Of a vehicle that may be anywhere, nothing is known of its mode.
   double probability(double quadrotor) const { return (1.0 - lost) * quadrotor + 0.5 * lost; }
-  /// What drawing anew now would add to the variance of the log odds [1].
-  double samplingVariance() const;
   /// Log odds of the likelier mode that hold whatever the error of the particles. @param quadrotor  share of Q
   double surelyAtLeast(double quadrotor) const;
   /// Notes for how long a force from outside has been believed to accelerate the vehicle, and whether the mode is
@@ -146,6 +113,7 @@ struct ModeEstimator::Impl {
   rom::Trial trial;
   std::vector<Particle> particles;
   std::vector<OutputChange> changes;  ///< by time
+  long steps = 0;
   double time = 0;
   double last_reading = -INFINITY;
   double lost = 0;               ///< [1] probability that the vehicle is not where the particles are
@@ -195,10 +163,11 @@ double ModeEstimator::Impl::outputFor(const Particle& particle, double at) const
   return output;
 }
 
-void ModeEstimator::Impl::moveTo(double at) {
+void ModeEstimator::Impl::moveTo(double at, double longest_step) {
   const double span = at - time;
   if (!(span > 0)) return;
-  const int count = std::max(1, static_cast<int>(std::ceil(span / settings.step - 1e-9)));
+  const int count = std::max(1, static_cast<int>(std::ceil(span / longest_step - 1e-9)));
+  steps += count;
   const double dt = span / count;
   const double spread = std::sqrt(span);
   for (Particle& particle : particles) {
@@ -216,7 +185,7 @@ void ModeEstimator::Impl::moveTo(double at) {
     particle.state.centre_speed += common_kick + kick * random.normal();
     particle.state.time = at;
   }
-  normalise();
+  normalise(&particles);
   time = at;
   forgetOldChanges();
 }
@@ -263,19 +232,19 @@ void ModeEstimator::Impl::weigh(double specific_force) {
   const double best = *std::max_element(fit.begin(), fit.end());
   if (!std::isfinite(best)) return;  // nothing fits and no outliers are allowed for: the reading is dropped
   for (std::size_t i = 0; i < particles.size(); ++i) particles[i].weight *= std::exp(share * (fit[i] - best));
-  normalise();
-  last_effective = effective();
+  normalise(&particles);
+  last_effective = effective(particles);
   if (last_effective < 0.5 * settings.particles) resample();
   if (lost > LEAST_DOUBT) searchAnew(lost * SEARCHED_SHARE * share, specific_force);
   follow(span, specific_force);
 }
 
 void ModeEstimator::Impl::follow(double span, double specific_force) {
-  touched = shareTouched();
+  touched = shareTouched(particles);
   // A hand may hold the ring for ever, but nobody accelerates it for long.
   const bool pushed = touched > 0.5 && std::abs(specific_force - settings.gravity) > LASTING_FORCE;
   touched_time = pushed ? touched_time + span : 0.0;
-  const double odds = surelyAtLeast(shareInQuadrotor());
+  const double odds = surelyAtLeast(shareInQuadrotor(particles, barrier));
   if (odds > DECIDED) sampling_variance = 0;
   const bool sure = odds >= std::log(settings.sure / (1.0 - settings.sure)) && evidence >= LEAST_EVIDENCE;
   if (lost > 0.5 || touched_time > LASTING * settings.outside_time) known = false;
@@ -320,36 +289,14 @@ void ModeEstimator::Impl::searchAnew(double share, double specific_force) {
     particle = chosen;
     particle.weight = 1.0 / settings.particles;
   }
-  normalise();
-}
-
-void ModeEstimator::Impl::normalise() {
-  const double sum = std::accumulate(particles.begin(), particles.end(), 0.0,
-                                     [](double before, const Particle& p) { return before + p.weight; });
-  for (Particle& particle : particles) particle.weight /= sum;
-}
-
-double ModeEstimator::Impl::samplingVariance() const {
-  // The sum of n weights, equal at the last draw, has the relative variance 1 / n_effective - 1 / n.
-  double sum[2] = {0, 0}, squares[2] = {0, 0}, count[2] = {0, 0};
-  for (const Particle& particle : particles) {
-    const int mode = inQuadrotor(particle) ? 1 : 0;
-    sum[mode] += particle.weight;
-    squares[mode] += particle.weight * particle.weight;
-    count[mode] += 1;
-  }
-  double variance = 0;
-  for (int mode = 0; mode < 2; ++mode) {
-    if (sum[mode] > 0) variance += std::max(0.0, squares[mode] / (sum[mode] * sum[mode]) - 1.0 / count[mode]);
-  }
-  return variance;
+  normalise(&particles);
 }
 
 double ModeEstimator::Impl::surelyAtLeast(double quadrotor) const {
   const double likelier = std::max(quadrotor, 1.0 - quadrotor);
   if (likelier >= 1.0) return INFINITY;
   const double odds = std::log(likelier / (1.0 - likelier));
-  return odds - SAMPLING_MARGIN * std::sqrt(sampling_variance + samplingVariance());
+  return odds - SAMPLING_MARGIN * std::sqrt(sampling_variance + samplingVariance(particles, barrier));
 }
 
 void ModeEstimator::Impl::judge(ModeEstimate* result) const {
@@ -375,18 +322,8 @@ void ModeEstimator::Impl::judge(ModeEstimate* result) const {
 }
 
 void ModeEstimator::Impl::resample() {
-  // Those who believe in a touch and those who do not, each kind apart and never fewer than a fifth of all: a force
-  // needs some readings to show, and until then its weight is small [Boers and Driessen 2003].
-  sampling_variance += samplingVariance();
-  const double with = shareTouched();
-  const int all = settings.particles, least = all / LEAST_KIND;
-  int count = std::clamp(static_cast<int>(std::lround(all * with)), least, all - least);
-  if (!(with > 0)) count = 0;
-  if (!(with < 1)) count = all;
-  std::vector<Particle> next;
-  next.reserve(particles.size());
-  drawKind(true, count, &next);
-  drawKind(false, all - count, &next);
+  sampling_variance += samplingVariance(particles, barrier);
+  std::vector<Particle> next = drawAnew(particles, barrier, random);
   std::vector<common::VehicleParameters> parameters;
   for (const Particle& particle : next) parameters.push_back(particle.model->parameters());
   cloud.scatter(parameters, random);
@@ -395,40 +332,6 @@ void ModeEstimator::Impl::resample() {
     next[i].bias += 0.1 * settings.accelerometer_bias * random.normal();
   }
   particles = std::move(next);
-}
-
-void ModeEstimator::Impl::drawKind(bool touched_ones, int count, std::vector<Particle>* next) {
-  if (count <= 0) return;
-  // Each mode apart: drawing them together lets the share of a mode drift by chance, until one of them is gone.
-  std::vector<const Particle*> in[2];
-  double weight[2] = {0, 0};
-  for (const Particle& particle : particles) {
-    if (particle.outside.touched() != touched_ones) continue;
-    const int mode = inQuadrotor(particle) ? 1 : 0;
-    in[mode].push_back(&particle);
-    weight[mode] += particle.weight;
-  }
-  const int least = count / LEAST_BASIN;
-  int quadrotor = static_cast<int>(std::lround(count * weight[1] / (weight[0] + weight[1])));
-  quadrotor = std::clamp(quadrotor, weight[1] > 0 ? least : 0, count - (weight[0] > 0 ? least : 0));
-  if (!(weight[0] > 0)) quadrotor = count;
-  if (!(weight[1] > 0)) quadrotor = 0;
-  draw(in[0], count - quadrotor, weight[0], next);
-  draw(in[1], quadrotor, weight[1], next);
-}
-
-void ModeEstimator::Impl::draw(const std::vector<const Particle*>& from, int count, double weight,
-                               std::vector<Particle>* next) {
-  if (count <= 0) return;
-  // Systematic: one random number for all.
-  const double spacing = weight / count;
-  double at = spacing * random.uniform(), sum = from.front()->weight;
-  std::size_t k = 0;
-  for (int i = 0; i < count; ++i, at += spacing) {
-    while (sum < at && k + 1 < from.size()) sum += from[++k]->weight;
-    next->push_back(*from[k]);
-    next->back().weight = spacing;
-  }
 }
 
 ModeEstimator::ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table,
@@ -462,14 +365,16 @@ void ModeEstimator::motorOutput(double time, double output) {
   changes.push_back({time, clamped});
 }
 
-void ModeEstimator::accelerometer(double time, double specific_force) {
+void ModeEstimator::accelerometer(double time, double specific_force, bool hurried) {
   if (!std::isfinite(time) || !std::isfinite(specific_force) || time < impl_->time) return;
   if (time - impl_->time > impl_->settings.longest_gap) impl_->beginAnew(time);
-  impl_->moveTo(time);
+  impl_->moveTo(time, hurried ? impl_->settings.hurried_step : impl_->settings.step);
   impl_->weigh(specific_force);
 }
 
 const EstimatorSettings& ModeEstimator::settings() const { return impl_->settings; }
+
+long ModeEstimator::steps() const { return impl_->steps; }
 
 ModeEstimate ModeEstimator::estimate() const {
   ModeEstimate result;
@@ -478,7 +383,7 @@ ModeEstimate ModeEstimator::estimate() const {
   for (const Particle& particle : impl_->particles) {
     const double part = particle.weight * particle.state.travel;
     mean += part;
-    if (impl_->inQuadrotor(particle)) quadrotor += particle.weight, mean_quadrotor += part;
+    if (particle.inQuadrotor(impl_->barrier)) quadrotor += particle.weight, mean_quadrotor += part;
   }
   for (const Particle& particle : impl_->particles) {
     squares += particle.weight * (particle.state.travel - mean) * (particle.state.travel - mean);

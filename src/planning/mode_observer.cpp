@@ -16,6 +16,7 @@ using common::Mode;
 using common::StampVerdict;
 
 constexpr std::size_t BURST = 16;  // readings at once from which they are thinned
+constexpr const char* FELL_BEHIND = "this computer fell behind the IMU readings, and nothing has shown the mode since";
 
 void require(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
@@ -32,6 +33,8 @@ void ObserverSettings::validate() const {
   require("silence", silence, 0.05, 1.0);
   require("stale", stale, 0.5, 10.0);
   require("burst_spacing", burst_spacing, 1e-3, 0.1);
+  require("hurry", hurry, 0.05, 2.0);
+  require("most_behind", most_behind, hurry, 5.0);
   require("idle_output", idle_output, 0.0, 1.0);
 }
 
@@ -109,7 +112,21 @@ void ModeObserver::begin(double stamp) {
 void ModeObserver::feed(double until) {
   const auto end = inputs_.upper_bound(until);
   const bool burst = std::distance(inputs_.begin(), end) > static_cast<std::ptrdiff_t>(BURST);
-  const double spacing = burst ? settings_.burst_spacing : 0.0;
+  const double longest_gap = estimator_.settings().longest_gap;
+  double oldest = until - settings_.most_behind;
+  // Behind once is a stall, and its gap is bridged. Behind twice on end, this computer is too slow for that.
+  const bool behind = begun_ && newest_ < oldest, again = behind && behind_;
+  if (again) {
+    oldest = until - settings_.hurry;
+    estimator_.reset(0.0, Mode::UNKNOWN);
+    origin_ = oldest;
+    estimator_.motorOutput(-100.0, motor_output_);
+    why_ = FELL_BEHIND;
+  }
+  behind_ = again;
+  const bool hurried = inputs_.begin() != end && inputs_.begin()->first < until - settings_.hurry;
+  const double spacing = hurried ? estimator_.settings().correlation_time : burst ? settings_.burst_spacing : 0.0;
+  const char* gap = "the IMU readings stopped, and nothing has shown the mode since";
   for (auto it = inputs_.begin(); it != end; ++it) {
     const auto& [when, input] = *it;
     if (input.motors) {
@@ -117,12 +134,17 @@ void ModeObserver::feed(double until) {
       if (begun_) estimator_.motorOutput(sinceOrigin(when), input.value);
       continue;
     }
+    if (when < oldest) {
+      ++skipped_;
+      gap = FELL_BEHIND;
+      continue;
+    }
     if (begun_ && when - newest_ < spacing) continue;
     if (!begun_) begin(when);
-    if (when - newest_ > estimator_.settings().longest_gap)
-      why_ = "the IMU readings stopped, and nothing has shown the mode since";
+    if (when - newest_ > longest_gap) why_ = gap;
     newest_ = when;
-    estimator_.accelerometer(sinceOrigin(when), input.value);
+    behind_ = behind;
+    estimator_.accelerometer(sinceOrigin(when), input.value, hurried);
     if (held_) estimator_.atRest();
   }
   inputs_.erase(inputs_.begin(), end);

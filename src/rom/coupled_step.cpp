@@ -80,7 +80,7 @@ void LumpedModel::coupledStep(const LumpedState& state, double mean_thrust, doub
     const double move_w = held ? -residual_w / jww : -(jpp * residual_w - jwp * residual_p) / det;
     p += move_p;
     w += move_w;
-    if (std::abs(move_p) + std::abs(move_w) < 1e-13 * (1.0 + std::abs(p) + std::abs(w))) break;
+    if (std::abs(move_p) + std::abs(move_w) < settings_.convergence * (1.0 + std::abs(p) + std::abs(w))) break;
   }
   const double w1 = 2.0 * w - w0, p1 = 2.0 * p - p0;
   next->travel = u0 + dt * w;

@@ -46,6 +46,7 @@ void LumpedSettings::validate() const {
   require(step > 0 && step <= 0.01, "step", step, "above 0, up to 0.01 s");
   require(friction_speed > 0, "friction_speed", friction_speed, "above 0 m/s");
   require(settled_share > 0 && settled_share < 1, "settled_share", settled_share, "between 0 and 1");
+  require(convergence > 0 && convergence <= 1e-3, "convergence", convergence, "above 0, up to 1e-3");
 }
 
 LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,

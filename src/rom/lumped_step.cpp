@@ -57,7 +57,7 @@ void LumpedModel::plainStep(const LumpedState& state, double mean_thrust, double
     }
     vr += move_r;
     vc += move_c;
-    if (std::abs(move_r) + std::abs(move_c) < 1e-13 * (1.0 + std::abs(vr) + std::abs(vc))) break;
+    if (std::abs(move_r) + std::abs(move_c) < settings_.convergence * (1.0 + std::abs(vr) + std::abs(vc))) break;
   }
   if (!held) {
     next->ring_speed = 2.0 * vr - state.ring_speed;

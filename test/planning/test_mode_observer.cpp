@@ -214,12 +214,59 @@ TEST_F(ObserverTest, AStalledProgramTakesUpItsLateReadings) {
   EXPECT_EQ(mode(), Mode::FIXED_WING) << reason();
 }
 
+/// A computer that takes `step_time` [s] for each step of the particles, and what it makes of 200 readings a second.
+struct SlowComputer {
+  ModeObserver* observer;
+  double step_time;
+  double now = 1000.0, heard = 1000.0;  ///< [s]
+  double worst_age = 0;                 ///< [s] of an estimate as it is told
+  long sure = 0, told = 0;
+  std::string reason = {};
+
+  void run(double seconds) {
+    worst_age = 0;
+    sure = told = 0;
+    for (const double end = now + seconds; now < end;) {
+      while (heard + 0.005 <= now) observer->reading(heard += 0.005, 0.0, now, now);
+      const long before = observer->estimator().steps();
+      const ModeReport report = observer->update(now, now);
+      now += 1e-3 + step_time * static_cast<double>(observer->estimator().steps() - before);
+      if (report.fresh) worst_age = std::max(worst_age, now - report.stamp), ++told;
+      sure += report.estimate.mode != Mode::UNKNOWN;
+      reason = report.estimate.reason;
+    }
+  }
+};
+
+TEST_F(ObserverTest, AComputerOfHalfTheSpeedStaysCurrentAndSure) {
+  SlowComputer computer{&observer_, 2.0 / 600};  // 200 Hz are 600 steps a second
+  computer.run(3.0);
+  computer.run(10.0);
+  EXPECT_LT(computer.worst_age, 0.6);
+  EXPECT_EQ(computer.sure, computer.told);
+  EXPECT_EQ(observer_.skipped(), 0u);
+}
+
+TEST_F(ObserverTest, AComputerOfATwentiethOfTheSpeedIsUnsureButNotSecondsBehind) {
+  SlowComputer computer{&observer_, 20.0 / 600};
+  computer.run(5.0);
+  computer.run(20.0);
+  EXPECT_LT(computer.worst_age, 2.0);
+  EXPECT_EQ(computer.sure, 0);
+  EXPECT_GT(computer.told, 5);
+  EXPECT_GT(observer_.skipped(), 1000u);
+  EXPECT_NE(computer.reason.find("this computer fell behind"), std::string::npos) << computer.reason;
+}
+
 TEST_F(ObserverTest, RefusesBadSettings) {
   ObserverSettings settings;
   settings.silence = 0;
   EXPECT_THROW(ModeObserver(makeEstimator(), settings), common::Error);
   settings = {};
   settings.input_delay = NAN;
+  EXPECT_THROW(ModeObserver(makeEstimator(), settings), common::Error);
+  settings = {};
+  settings.most_behind = 0.1;  // less than hurry
   EXPECT_THROW(ModeObserver(makeEstimator(), settings), common::Error);
 }
 

@@ -43,9 +43,10 @@ struct EstimatorSettings {
   /// Somebody may touch the ring side (src/planning/outside_force.h): Laplace distributed force with this standard
   /// deviation [N], 0 = nobody ever does
   double outside_force = 10.0;
-  double outside_rate = 1.0;  ///< [1/s] how often a touch begins
-  double outside_time = 0.3;  ///< [s] how long it lasts on average, and how long its force stays about the same
-  double step = 2e-3;         ///< [s] of the particles' motion
+  double outside_rate = 1.0;   ///< [1/s] how often a touch begins
+  double outside_time = 0.3;   ///< [s] how long it lasts on average, and how long its force stays about the same
+  double step = 2e-3;          ///< [s] of the particles' motion
+  double hurried_step = 8e-3;  ///< [s] likewise, for readings that are late: coarse, but in time
   /// [s] a stretch without readings that is longer ends all that was known: the particles begin anew, half in each
   /// mode. It bounds the work of one reading, too.
   double longest_gap = 1.0;
@@ -99,10 +100,13 @@ class ModeEstimator {
   void motorOutput(double time, double output);
   /// Specific force of the centre along the thrust axis [m/s2]; moves the particles to `time` and weighs them.
   /// NaN and times before the last reading are ignored. After more than `longest_gap` it begins anew.
-  void accelerometer(double time, double specific_force);
+  /// @param hurried  the reading is late: the particles move in steps of `hurried_step`
+  void accelerometer(double time, double specific_force, bool hurried = false);
 
   ModeEstimate estimate() const;
   const EstimatorSettings& settings() const;
+  /// Steps that the particles have taken, each all of them together: nearly all of the work.
+  long steps() const;
 
  private:
   struct Impl;

@@ -3,15 +3,19 @@
 /// says UNKNOWN, with the reason, when nothing is known: no clock, no reading yet, readings that stopped, a clock that
 /// jumped. No ROS, no clock of its own: `now` and `steady` as in common/time_watch.h.
 ///
-/// | what happens                                 | the estimate |
-/// |----------------------------------------------|---------------------------------------------------------------------|
-/// | no clock, no reading yet                     | UNKNOWN; it begins at the first reading, in the mode that was
-/// stated | | the motors turn before the first reading     | what was stated holds no more | | no reading for `silence`
-/// | UNKNOWN until readings come back                                    | | no reading for the estimator's
-/// `longest_gap` | begins anew at the next reading, nothing stated                     | | the clock jumps, back or
-/// ahead               | begins anew at once, nothing stated                                 | | no link status for
-/// `link_timeout`            | the motors count as stopped: the flight controller's failsafe       | | a burst of late
-/// readings                     | thinned to `burst_spacing`: the work of update() is bounded         |
+/// | what happens                              | the estimate                                                   |
+/// |-------------------------------------------|----------------------------------------------------------------|
+/// | no clock, no reading yet                  | UNKNOWN; begins at the first reading, in the mode stated       |
+/// | the motors turn before the first reading  | what was stated holds no more                                  |
+/// | no reading for `silence`                  | UNKNOWN until readings come back                               |
+/// | no reading for the estimator's longest_gap| begins anew at the next reading, nothing stated                |
+/// | the clock jumps, back or ahead            | begins anew at once, nothing stated                            |
+/// | no link status for `link_timeout`         | the motors count as stopped: the flight controller's failsafe  |
+/// | a burst of late readings                  | thinned to `burst_spacing`                                     |
+/// | more than `hurry` waits                   | thinned to the estimator's correlation_time, in coarse steps   |
+/// | more than `most_behind` waits             | what is older is skipped: a gap like any other                 |
+/// | the same at two updates on end            | begins anew with the last `hurry`, nothing stated              |
+/// So a computer that is too slow makes the estimate coarse, then unsure, but never much older than it says.
 
 #include <limits>
 #include <map>
@@ -27,7 +31,9 @@ struct ObserverSettings {
   double silence = 0.25;        ///< [s] 0.05 .. 1
   double stale = 2.0;           ///< [s] 0.5 .. 10, readings that come later than this are not used
   double burst_spacing = 0.01;  ///< [s] of readings, where more than 16 wait
-  double idle_output = 0.1;     ///< [1] mean motor output above which the motors may have moved the vehicle
+  double hurry = 0.2;        ///< [s] 0.05 .. 2, of waiting readings from which they are worked through in coarse steps
+  double most_behind = 0.6;  ///< [s] hurry .. 5, of waiting readings; older ones are skipped
+  double idle_output = 0.1;  ///< [1] mean motor output above which the motors may have moved the vehicle
   common::Mode stated = common::Mode::UNKNOWN;  ///< what the operator sees at the start
   void validate() const;                        ///< @throws common::Error naming the member
 };
@@ -64,6 +70,9 @@ class ModeObserver {
   const common::StampWatch& links() const { return link_watch_; }
   unsigned jumps() const { return clock_.jumps(); }
   std::size_t waiting() const { return inputs_.size(); }
+  /// Readings that were not used because newer ones waited behind them.
+  unsigned long skipped() const { return skipped_; }
+  const ModeEstimator& estimator() const { return estimator_; }
   unsigned long notNumbers() const { return not_numbers_; }
 
  private:
@@ -89,9 +98,10 @@ class ModeObserver {
   double origin_ = 0;  ///< stamp of the first reading: the estimator counts from there
   double newest_ = 0;  ///< stamp of the newest reading that was fed
   double motor_output_ = 0;
-  double told_ = 0;  ///< stamp of the last fresh report
+  double told_ = 0;      ///< stamp of the last fresh report
+  bool behind_ = false;  ///< at the last feed more than `most_behind` waited
   bool held_ = false;
-  unsigned long not_numbers_ = 0;
+  unsigned long not_numbers_ = 0, skipped_ = 0;
 };
 
 }  // namespace snapwing::planning

@@ -41,6 +41,7 @@ struct LumpedSettings {
   /// Settled: thrust and command at rest and the energy of the relative motion above its minimum below this share of
   /// the smaller barrier, (0, 1)
   double settled_share = 0.02;
+  double convergence = 1e-13;  ///< [1] relative move of the speeds at which a step's Newton iteration ends, (0, 1e-3]
   /// @throws common::Error naming the member
   void validate() const;
 };

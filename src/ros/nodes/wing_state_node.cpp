@@ -34,6 +34,9 @@ namespace snapwing::nodes {
 
 namespace {
 
+// No longer than what the observer would still use at 200 Hz (most_behind): of a longer backlog the newest are kept.
+constexpr std::uint32_t IMU_QUEUE = 120;
+
 struct WingStateSettings {
   planning::EstimatorSettings estimator;
   planning::ObserverSettings observer;
@@ -99,7 +102,7 @@ class WingStateNode {
     ros::NodeHandle& nh = handles.relative;
     state_publisher_ = nh.advertise<ModeState>(topics::MODE_STATE, 50);
     marker_publisher_ = nh.advertise<visualization_msgs::MarkerArray>(topics::MARKERS, 5);
-    imu_ = nh.subscribe(topics::IMU, 1000, &WingStateNode::onImu, this);
+    imu_ = nh.subscribe(topics::IMU, IMU_QUEUE, &WingStateNode::onImu, this);
     link_ = nh.subscribe(topics::LINK_STATUS, 50, &WingStateNode::onLink, this);
     ring_held_ = nh.advertiseService(topics::RING_HELD, &WingStateNode::onRingHeld, this);
     state_mode_ = nh.advertiseService(topics::STATE_MODE, &WingStateNode::onStateMode, this);
@@ -276,6 +279,7 @@ class WingStateNode {
     status.add("travel deviation [m]", estimate.travel_deviation);
     status.add("effective particles", estimate.effective_particles);
     status.add("inputs waiting", observer_.waiting());
+    status.add("readings skipped for newer ones", observer_.skipped());
     status.add("jumps of the clock", observer_.jumps());
     status.add("readings used", readings.count(StampVerdict::GOOD));
     status.add("readings stamped ahead of the clock", readings.count(StampVerdict::FUTURE));
