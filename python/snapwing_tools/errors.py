@@ -3,3 +3,15 @@
 
 class InputError(Exception):
     """A file or an argument is missing or wrong; the message is one line that names it and says why."""
+
+
+def not_opened(path, error):
+    """InputError of an HDF5 file that h5py refused with `error` (an OSError)."""
+    text = str(error)
+    if "truncated file" in text:
+        return InputError("{}: the file is cut off: it is shorter than its own header says".format(path))
+    if "lock" in text:
+        return InputError("{}: another program has the file open for writing".format(path))
+    if "Permission denied" in text:
+        return InputError("{}: may not be read (permission denied)".format(path))
+    return InputError("{}: not an HDF5 file, or damaged".format(path))

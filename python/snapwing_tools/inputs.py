@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 from snapwing_tools import topics
-from snapwing_tools.errors import InputError
+from snapwing_tools.errors import InputError, not_opened
 from snapwing_tools.yaml_file import load_yaml
 
 
@@ -52,8 +52,8 @@ def read_force_table(path):
     try:
         with h5py.File(path, "r") as file:
             return _parse_table(path, file)
-    except OSError:
-        raise InputError("{}: not an HDF5 file, or damaged".format(path))
+    except OSError as error:
+        raise not_opened(path, error)
 
 
 def _parse_table(path, file):

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from snapwing_tools import topics
-from snapwing_tools.errors import InputError
+from snapwing_tools.errors import InputError, not_opened
 from snapwing_tools.output_file import write_file
 
 FORMAT = "snapwing_run"
@@ -120,8 +120,8 @@ def read_run(path):
     try:
         with h5py.File(path, "r") as file:
             return _parse(path, file)
-    except OSError:
-        raise InputError("{}: not an HDF5 file, or damaged".format(path))
+    except OSError as error:
+        raise not_opened(path, error)
 
 
 def _parse(path, file):

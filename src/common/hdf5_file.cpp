@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <vector>
 
@@ -51,6 +52,17 @@ bool lockedByAWriter(const std::string& path) {
   return locked;
 }
 
+/// What HDF5 itself found wrong when it tried to open a file, as far as it helps a user; else empty.
+std::string whyNotOpened() {
+  bool truncated = false;
+  const auto look = [](unsigned, const H5E_error2_t* error, void* found) -> herr_t {
+    if (error->min_num == H5E_TRUNCATED) *static_cast<bool*>(found) = true;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, look, &truncated);
+  return truncated ? "is cut off: it is shorter than its own header says" : "";
+}
+
 }  // namespace
 
 hid_t openFile(const std::string& path) {
@@ -60,10 +72,14 @@ hid_t openFile(const std::string& path) {
   if (!std::filesystem::is_regular_file(status))
     throw FileError(path, "is no plain file; HDF5 is read from files only");
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0 && lockedByAWriter(path)) {
+  if (file >= 0) return file;
+  if (const std::string why = whyNotOpened(); !why.empty()) throw FileError(path, why);
+  if (lockedByAWriter(path)) {
     throw FileError(path, "is locked: another program has it open for writing; allowed: a file that no program writes");
   }
-  return file;
+  if (std::filesystem::file_size(path, none) == 0) throw FileError(path, "is empty");
+  if (access(path.c_str(), R_OK) != 0) throw FileError(path, "cannot be read: " + std::string(std::strerror(errno)));
+  throw FileError(path, "is no HDF5 file, or cut off within its header");
 }
 
 std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& path) {

@@ -172,8 +172,6 @@ void readMechanism(SettingsReader& root, ArmDesignSettings& s) {
   if (found == s.scene.bodies.end()) map.fail("body", "'" + body + "'", "the name of a body of the scene");
   if (!found->shape) map.fail("body", "'" + body + "' with a density", "a body given by a shape: the domain");
   if (!s.scene.control_is_length) map.fail("scene", "one with loads", "a scene with driven ports");
-  if (!s.scene.gravity.isZero())
-    map.fail("scene", "one with gravity", "a scene without: weight would follow the design");
   if (!(s.scene.to > 0)) map.fail("scene", "a path towards negative travel", "a path to > 0");
   s.body = static_cast<int>(found - s.scene.bodies.begin());
   s.travel_max = s.scene.to;

@@ -6,12 +6,11 @@
 #include <map>
 
 #include "snapwing/common/error.h"
-#include "snapwing/statics/sensitivity.h"
 
 namespace snapwing::design {
 
 Mechanism::Mechanism(const statics::Scene& scene, int body, int threads)
-    : compiled_(statics::compileScene(scene, threads)), body_(body) {
+    : compiled_(statics::compileScene(scene, threads)), body_(body), heavy_(!scene.gravity.isZero()) {
   planar_ = dynamic_cast<const statics::SolidProblem<2>*>(&compiled_->problem());
   volumetric_ = dynamic_cast<const statics::SolidProblem<3>*>(&compiled_->problem());
   if (!planar_ && !volumetric_) throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
@@ -98,10 +97,17 @@ Eigen::VectorXd Mechanism::sumColumns(const Eigen::VectorXd& by_cell) const {
   return sum;
 }
 
+template <int D>
+statics::Sensitivity<D> Mechanism::sensitivity(const statics::SolidProblem<D>& problem,
+                                               const statics::Cholesky& cholesky, const statics::Evaluation& at) const {
+  if (!heavy_) return {problem, cholesky, at};
+  return {problem, cholesky, at, [this](const Eigen::VectorXd& v) { return compiled_->weightByDensity(v); }};
+}
+
 Eigen::VectorXd Mechanism::forceByDensity(const statics::Cholesky& cholesky, const statics::Evaluation& at,
                                           const Eigen::VectorXd& slope) const {
-  return multiplicity() * sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, cholesky, at).reaction(slope)
-                                             : statics::Sensitivity<3>(*volumetric_, cholesky, at).reaction(slope));
+  return multiplicity() * sumColumns(planar_ ? sensitivity(*planar_, cholesky, at).reaction(slope)
+                                             : sensitivity(*volumetric_, cholesky, at).reaction(slope));
 }
 
 Mechanism::Sensed Mechanism::rotation(const statics::Cholesky* cholesky, const statics::Evaluation& at) const {
@@ -110,8 +116,8 @@ Mechanism::Sensed Mechanism::rotation(const statics::Cholesky* cholesky, const s
   Eigen::VectorXd slope;
   result.value = compiled_->monitor(rotation_, at.displacements, cholesky ? &slope : nullptr);
   if (!cholesky) return result;
-  result.by_density = sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, *cholesky, at).displacement(slope)
-                                         : statics::Sensitivity<3>(*volumetric_, *cholesky, at).displacement(slope));
+  result.by_density = sumColumns(planar_ ? sensitivity(*planar_, *cholesky, at).displacement(slope)
+                                         : sensitivity(*volumetric_, *cholesky, at).displacement(slope));
   return result;
 }
 
@@ -119,9 +125,8 @@ Mechanism::Sensed Mechanism::potential(const statics::Cholesky* cholesky, const 
   Sensed result;
   result.value = multiplicity() * at.energy;
   if (!cholesky) return result;
-  result.by_density =
-      multiplicity() * sumColumns(planar_ ? statics::Sensitivity<2>(*planar_, *cholesky, at).energy()
-                                          : statics::Sensitivity<3>(*volumetric_, *cholesky, at).energy());
+  result.by_density = multiplicity() * sumColumns(planar_ ? sensitivity(*planar_, *cholesky, at).energy()
+                                                          : sensitivity(*volumetric_, *cholesky, at).energy());
   return result;
 }
 
@@ -167,7 +172,7 @@ Mechanism::Strain Mechanism::strainOf(const statics::SolidProblem<D>& problem, d
           weight(c) * std::sqrt(rho) * (turn[c] * slope.col(a));
     }
   }
-  result.by_density = sumColumns(direct + statics::Sensitivity<D>(problem, *cholesky, at).displacement(functional));
+  result.by_density = sumColumns(direct + sensitivity(problem, *cholesky, at).displacement(functional));
   return result;
 }
 

@@ -12,9 +12,6 @@ namespace snapwing::design {
 
 namespace {
 
-constexpr double ROTATION_TOLERANCE = 0.15;  ///< [rad]
-constexpr double TIP_TOLERANCE = 0.010;      ///< [m]
-
 LinkageFactory elasticRung(WingRung rung, const WingBars& bars) {
   return rung == WingRung::SOLIDS ? solidRung(bars) : beamRung(bars);
 }
@@ -34,7 +31,7 @@ void compare(const WingSettings& s, WingRung rung, WingOutcome* o) {
 bool meetsTargets(const WingDesign& d) {
   bool met = d.status == WingStatus::DESIGNED;
   for (const WingState& state : d.states) {
-    met = met && std::abs(state.rotation_error) <= ROTATION_TOLERANCE && state.tip_residual <= TIP_TOLERANCE;
+    met = met && std::abs(state.rotation_error) <= WING_ROTATION_TOLERANCE && state.tip_residual <= WING_TIP_TOLERANCE;
   }
   return met;
 }

@@ -130,8 +130,8 @@ DensityField DensityField::resampled(double new_cell_size) const {
           sum += wide * high * at(si, sj);
         }
       }
-      if (covered > 0.5 * ratio * ratio) {
-        result.value[static_cast<std::size_t>(j) * result.cells[0] + i] = std::min(1.0, sum / covered);
+      if (covered > 1e-9 * ratio * ratio) {
+        result.value[static_cast<std::size_t>(j) * result.cells[0] + i] = std::min(1.0, sum / (ratio * ratio));
       }
     }
   }

@@ -94,6 +94,7 @@ class CompiledSceneOf : public CompiledScene {
     return m.radius > 0 ? rotation(m, u, gradient) : displacement(m, u, gradient);
   }
 
+  Eigen::VectorXd weightByDensity(const Eigen::VectorXd& v) const override { return weight_->densitySlope(v); }
   std::unique_ptr<SceneSensitivity> sensitivity(const Equilibrium& x) const override {
     if (turning_) {
       throw common::Error("scene '" + scene_.name +

@@ -3,6 +3,13 @@
 namespace snapwing::statics {
 
 template <int D>
+Eigen::VectorXd Sensitivity<D>::residualSlope(const Eigen::VectorXd& v) const {
+  Eigen::VectorXd result = problem_.solid().densityDerivative(at_.displacements, v);
+  if (load_slope_) result -= load_slope_(v.size() > 0 ? v : at_.displacements);
+  return result;
+}
+
+template <int D>
 Eigen::VectorXd Sensitivity<D>::reaction() const {
   const Eigen::VectorXd dp = Eigen::VectorXd::Ones(1);
   Eigen::VectorXd free_part, control_part;
@@ -12,20 +19,18 @@ Eigen::VectorXd Sensitivity<D>::reaction() const {
 
 template <int D>
 Eigen::VectorXd Sensitivity<D>::reaction(const Eigen::VectorXd& slope) const {
-  return problem_.solid().densityDerivative(at_.displacements,
-                                            problem_.reduction().expandDirection(slope, Eigen::VectorXd::Ones(1)));
+  return residualSlope(problem_.reduction().expandDirection(slope, Eigen::VectorXd::Ones(1)));
 }
 
 template <int D>
 Eigen::VectorXd Sensitivity<D>::displacement(const Eigen::VectorXd& functional) const {
   const Eigen::VectorXd adjoint = -cholesky_.solve(problem_.reduction().restrictToFree(functional));
-  return problem_.solid().densityDerivative(
-      at_.displacements, problem_.reduction().expandDirection(adjoint, Eigen::VectorXd::Zero(problem_.controlCount())));
+  return residualSlope(problem_.reduction().expandDirection(adjoint, Eigen::VectorXd::Zero(problem_.controlCount())));
 }
 
 template <int D>
 Eigen::VectorXd Sensitivity<D>::energy() const {
-  return problem_.solid().densityDerivative(at_.displacements, {});
+  return residualSlope({});
 }
 
 template <int D>

@@ -89,6 +89,13 @@ void reportLayers(const StackPlan& plan) {
   std::cout << "\n";
 }
 
+/// Exit code: 0 if the wing does what was asked for and can be built.
+int reportVerdict(const WingOutcome& o) {
+  std::cout << "  targets (wing rotations within " << WING_ROTATION_TOLERANCE << " rad, tips within "
+            << 1e3 * WING_TIP_TOLERANCE << " mm): " << (o.targets_met ? "met" : "NOT MET") << "\n";
+  return o.targets_met && o.stack.found ? 0 : 1;
+}
+
 void run(const Options& options, int* exit_code) {
   const WingSettings settings = loadWingSettings(options.settings);
   common::OutputFiles files;
@@ -110,6 +117,7 @@ void run(const Options& options, int* exit_code) {
   reportMass(outcome);
   reportClearance(outcome.clearance);
   reportLayers(outcome.stack);
+  *exit_code = reportVerdict(outcome);
   std::cout << "  wrote wing.yaml, wing_table.h5 and parts to " << options.folder << "\n";
 }
 

@@ -6,6 +6,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/force_table.h"
@@ -123,6 +126,33 @@ TEST(ForceTable, BadTablesAndFilesAreRefused) {
   EXPECT_THROW(loadForceTable(path), FileError);
   writeFileAtomically(path, "");
   EXPECT_THROW(loadForceTable(path), FileError);
+  std::filesystem::remove(path);
+}
+
+/// Each reason why a file is not read has a message of its own.
+TEST(ForceTable, CutOffFilesAreSaidToBeCutOff) {
+  const std::string path = testing::TempDir() + "cut_table.h5";
+  saveForceTable(cubicTable(), path);
+  const auto whole = std::filesystem::file_size(path);
+  const auto refusal = [&] {
+    try {
+      loadForceTable(path);
+    } catch (const FileError& e) {
+      return std::string(e.what());
+    }
+    return std::string("taken");
+  };
+  for (const auto& [size, part] : std::vector<std::pair<std::uintmax_t, std::string>>{
+           {whole - 1, "is cut off: it is shorter than its own header says"},
+           {whole / 2, "is cut off: it is shorter than its own header says"},
+           {200, "is cut off"},
+           {40, "is no HDF5 file, or cut off within its header"},
+           {0, "is empty"}}) {
+    std::filesystem::resize_file(path, size);
+    EXPECT_NE(refusal().find(part), std::string::npos) << size << ": " << refusal();
+  }
+  writeFileAtomically(path, "no HDF5, but text");
+  EXPECT_NE(refusal().find("is no HDF5 file"), std::string::npos) << refusal();
   std::filesystem::remove(path);
 }
 

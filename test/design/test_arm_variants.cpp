@@ -260,6 +260,25 @@ TEST(ArmMechanism, ARotationBoundNeedsAMonitorAndSaysSo) {
   EXPECT_THROW(ArmTopology(blind, 0), common::Error);
 }
 
+/// The weight of a design follows it: its gradients are exact, and another load gives other forces.
+TEST(ArmMechanism, WeightFollowsTheDesign) {
+  const std::string monitor = "copies: 2\nmonitors:\n  - {name: turn, body: spring, at: [20, 10], radius: 5}";
+  ArmDesignSettings light = coarseSwitch(switchWith("copies: 2", monitor));
+  light.rotation_bound = {0.1, 0.2};
+  light.rotation_travels = {0.018};
+  ArmDesignSettings heavy = light;
+  heavy.scene.gravity << 300.0, -600.0, 0.0;  // of the order of the switch's own forces
+  ArmTopology without(light, 0), with(heavy, 0);
+  for (ArmTopology* problem : {&without, &with}) problem->beginIteration(0, 3);
+  const Evaluated a = without.evaluate(without.start(), false), b = with.evaluate(with.start(), false);
+  ASSERT_TRUE(a.valid && b.valid) << a.message << b.message;
+  EXPECT_GT(std::abs(a.constraints(0) - b.constraints(0)), 0.02) << "the peak's force feels the weight";
+  expectGoodGradients(checkArmGradients(heavy, 0.5), checkArmGradients(light, 0.5).rows.size());
+  heavy.stages[0].volumetric = true;
+  const GradientCheck solid = checkArmGradients(heavy, 0.5);
+  expectGoodGradients(solid, solid.rows.size());
+}
+
 TEST(ArmMechanism, PortOutsideOfTheBodyIsNamed) {
   const ArmDesignSettings s = coarseSwitch(switchWith("x: [40, 40], y: [12, 20]", "x: [60, 60], y: [12, 20]"));
   try {

@@ -5,10 +5,10 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/pulse.h"
-#include "snapwing/common/table_origin.h"
 #include "snapwing/dynamics/plant.h"
 #include "snapwing/rom/lumped_model.h"
 #include "support/example_table.h"
+#include "support/example_wing.h"
 #include "support/paths.h"
 
 namespace snapwing::dynamics {
@@ -89,7 +89,7 @@ TEST(PlantAgainstRom, SameParametersSameMotion) {
 TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTableWithMass();
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
+  const std::optional<common::WingTable> wing = snapwing::testing::exampleTableWing(vehicle);
   ASSERT_TRUE(wing);
   rom::Trial trial;  // free: wings are on
   // From rest: the heavier motion would still swing when the pulse comes if the hand let go under idle thrust.
@@ -126,7 +126,7 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
 TEST(PlantAgainstRom, SamePushSameMotion) {
   const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const common::ForceTable table = snapwing::testing::exampleTableWithMass();
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
+  const std::optional<common::WingTable> wing = snapwing::testing::exampleTableWing(vehicle);
   common::VehicleParameters p = drawParameters(vehicle, table, 5);
   p.wing_friction = 0;  // its step differs
   PlantSettings settings;

@@ -43,6 +43,30 @@ TEST(DensityField, ReadsTheShippedDesign) {
   EXPECT_THROW(f.resampled(0.7e-3), common::Error);
 }
 
+/// A disc of which the file lists the filled cells only: its mass, and what a file that lists the empty ones gives.
+TEST(DensityField, CoarserCellsKeepTheMassOfARaggedBody) {
+  DensityField sparse;
+  sparse.cell_size = 0.5e-3;
+  sparse.cells = {48, 36};
+  for (int j = 0; j < 36; ++j) {
+    for (int i = 0; i < 48; ++i) sparse.value.push_back(std::hypot(i - 20.2, 1.3 * (j - 17.6)) < 15 ? 0.9 : -1);
+  }
+  DensityField full = sparse;
+  for (double& v : full.value) v = std::max(0.0, v);
+  const auto mass = [](const DensityField& f) {
+    double sum = 0;
+    for (const double v : f.value) sum += std::max(0.0, v);
+    return sum * f.cell_size * f.cell_size;
+  };
+  for (const double cell : {1e-3, 2e-3, 3e-3, 0.75e-3, 0.25e-3, 6e-3}) {
+    const DensityField coarse = sparse.resampled(cell), listed = full.resampled(cell);
+    EXPECT_NEAR(mass(coarse), mass(sparse), 1e-9 * mass(sparse)) << cell;
+    for (std::size_t c = 0; c < coarse.value.size(); ++c) {
+      EXPECT_NEAR(std::max(0.0, coarse.value[c]), listed.value[c], 1e-12) << cell;
+    }
+  }
+}
+
 TEST(DensityField, OutlineOfADiscHasItsArea) {
   DensityField f;
   f.cell_size = 1;

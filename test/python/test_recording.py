@@ -194,7 +194,7 @@ class BadRunFiles(unittest.TestCase):
         synthetic_run.make_buffer(seconds=1.0, pulses={}).save(self.path, "closed")
         with open(self.path, "r+b") as file:
             file.truncate(os.path.getsize(self.path) // 2)
-        self.refused("damaged")
+        self.refused("cut off")
 
     def damage(self, change):
         synthetic_run.make_buffer(seconds=1.0, pulses={}).save(self.path, "closed")

@@ -238,6 +238,10 @@ class Command(unittest.TestCase):
         self.refused("no such file", self.path("absent.h5"))
         self.refused("empty: the file is empty", empty)
         self.refused("not an HDF5", columns)
+        cut = self.path("cut.h5")
+        with open(self.good, "rb") as whole, open(cut, "wb") as file:
+            file.write(whole.read()[:4000])
+        self.refused("cut off", cut)
         self.refused("column 'duration_s' is missing; found throttle, seconds", self.good, "--map", "F", columns)
         self.refused("line 2, column 'share_switched': 'much' is no number", self.good, "--map", "F", words)
         self.refused("a header but no rows", self.good, "--map", "F", header)

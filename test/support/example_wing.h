@@ -1,7 +1,11 @@
 #pragma once
-/// Wings with the inertia of a smooth hump, as large as the shipped ones': for tests of the dynamics alone.
+/// Wings with the inertia of a smooth hump, as large as the shipped ones': for tests of the dynamics alone; and the
+/// wings that were designed for the arm of exampleTable().
 
+#include "snapwing/common/table_origin.h"
 #include "snapwing/common/wing_table.h"
+#include "support/example_table.h"
+#include "support/paths.h"
 
 namespace snapwing::testing {
 
@@ -31,6 +35,14 @@ inline common::WingTable exampleWing(double mass = 1.0, double friction = 0.0, i
     }
   }
   return t;
+}
+
+/// Wings of the study's arm: `snapwing design wing` on the force table of data/arms/arris_x220_study.csv. Arm and wing
+/// of one design: held to each other as a vehicle's own are.
+inline common::WingTable exampleTableWing(const common::Vehicle& vehicle) {
+  common::WingTable wing = common::loadWingTable(test::sourceDir() + "/test/data/wings/arris_x220_study_wing.h5");
+  common::requireOrigin(wing, exampleTable(), vehicle);
+  return wing;
 }
 
 }  // namespace snapwing::testing

@@ -8,6 +8,7 @@
 
 #include "snapwing/mpm/density_field.h"
 #include "snapwing/statics/scene_problem.h"
+#include "snapwing/statics/sensitivity.h"
 
 namespace snapwing::design {
 
@@ -67,12 +68,16 @@ class Mechanism {
   template <int D>
   Strain strainOf(const statics::SolidProblem<D>& problem, double power, const statics::Cholesky* cholesky,
                   const statics::Evaluation& at) const;
+  template <int D>
+  statics::Sensitivity<D> sensitivity(const statics::SolidProblem<D>& problem, const statics::Cholesky& cholesky,
+                                      const statics::Evaluation& at) const;
   Eigen::VectorXd sumColumns(const Eigen::VectorXd& by_cell) const;
 
   std::unique_ptr<statics::CompiledScene> compiled_;
   const statics::SolidProblem<2>* planar_ = nullptr;
   const statics::SolidProblem<3>* volumetric_ = nullptr;
   int body_, rotation_ = -1;  ///< of the monitors
+  bool heavy_;                ///< the scene has weight, which follows the densities
   double cell_size_ = 0;
   std::array<int, 2> cells_{};
   std::vector<std::array<int, 2>> columns_;  ///< place of each

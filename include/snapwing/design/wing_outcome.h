@@ -30,6 +30,9 @@ struct WingJob {
   std::function<bool()> cancelled;                 ///< at each evaluation; true cancels
 };
 
+constexpr double WING_ROTATION_TOLERANCE = 0.15;  ///< [rad]
+constexpr double WING_TIP_TOLERANCE = 0.010;      ///< [m]
+
 struct WingOutcome {
   std::string folder;
   WingDesign design;  ///< what follows is filled if it is DESIGNED
@@ -42,7 +45,7 @@ struct WingOutcome {
   double barrier_back = std::numeric_limits<double>::quiet_NaN();  ///< of the vehicle's arms [J]; NaN without a table
   WingClearance clearance;                                         ///< from the propellers
   StackPlan stack;           ///< layers of bars and rod; a wing without any cannot be put together as drawn
-  bool targets_met = false;  ///< both wing rotations within .15 rad, both tips within 10 mm
+  bool targets_met = false;  ///< both wing rotations and both tips within the tolerances above
   bool from_store = false;
 };
 

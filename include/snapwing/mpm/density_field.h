@@ -16,8 +16,8 @@ struct DensityField {
   double at(int i, int j) const { return value[static_cast<std::size_t>(j) * cells[0] + i]; }
   bool present(int i, int j) const { return i >= 0 && j >= 0 && i < cells[0] && j < cells[1] && at(i, j) >= 0; }
 
-  /// The same field on cells of another size that divides the extent: area average over what is present.
-  /// A new cell exists if more than half of it is covered. @throws common::Error if the size does not divide
+  /// The same field on cells of another size that divides the extent: area average, in which absent cells are void, so
+  /// that the mass stays. A new cell exists where an old one lies. @throws common::Error if the size does not divide
   DensityField resampled(double new_cell_size) const;
 };
 

@@ -47,6 +47,8 @@ class CompiledScene {
   /// the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
   /// joint at the edge of a body
   virtual std::unique_ptr<SceneSensitivity> sensitivity(const Equilibrium& x) const = 0;
+  /// d(l . v)/drho_c of the scene's weight l, (cells x 1) [J]. @param v  nodal displacements, (dofs x 1) [m]
+  virtual Eigen::VectorXd weightByDensity(const Eigen::VectorXd& v) const = 0;
   /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).
   virtual std::string vtu(const Eigen::VectorXd& z, double p) const = 0;
 };
