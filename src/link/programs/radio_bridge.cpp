@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -33,6 +34,7 @@ namespace {
 using namespace snapwing;
 
 volatile sig_atomic_t stop_signal = 0;
+volatile sig_atomic_t stop_event = -1;            ///< raised with it, so that a loop about to sleep does not
 constexpr std::int64_t LOG_LIMIT = 1000000;       ///< [bytes] then the log's file becomes FILE.1
 constexpr int GUARDIAN_ABOVE = 5;                 ///< priority of the guardian above the loop's
 constexpr rlim_t MEMORY_ROOM = rlim_t{16} << 20;  ///< [bytes] that the running bridge may grow by
@@ -52,7 +54,12 @@ struct Options {
   link::BridgeSettings settings;
 };
 
-void onStop(int number) { stop_signal = number; }
+void onStop(int number) {
+  const int before = errno;
+  stop_signal = number;
+  const std::uint64_t one = 1;
+  if (stop_event >= 0 && write(stop_event, &one, sizeof one) < 0) errno = before;  // full: wakes as well
+}
 
 void catchSignals() {
   struct sigaction action {};
@@ -143,11 +150,14 @@ struct Surroundings {
   double shutdown_since = -1;
 };
 
-void afterFrame(link::BridgeLoop& loop, Surroundings& around, double now) {
+int connectionOf(const link::Transport& line) { return line.connected() ? line.connections() : 0; }
+
+/// The guardian is looked at right before the frame that its death makes a safe one.
+void sendFrame(link::BridgeLoop& loop, Surroundings& around, double now) {
   const link::Transport& line = around.transport;
-  const int connection = line.connected() ? line.connections() : 0;
-  around.guardian.holdLine(line.connected() ? line.descriptor() : -1, connection);
-  loop.core().onGuardian(around.guardian.guards(connection));
+  loop.core().onGuardian(around.guardian.guards(connectionOf(line)));
+  loop.frame(now);
+  around.guardian.holdLine(line.connected() ? line.descriptor() : -1, connectionOf(line));
   around.events.look(loop.core().status(), {line.connected(), line.connections(), line.lastError()}, now, &around,
                      [](void* owner, const link::LogEvent& e) {
                        static_cast<Surroundings*>(owner)->log.note(e.kind, e.code, e.detail, e.value, e.seconds);
@@ -158,6 +168,7 @@ void afterFrame(link::BridgeLoop& loop, Surroundings& around, double now) {
 /// @return when the bridge was asked to end and has sent its safe frames, or could not for as long
 void run(link::BridgeLoop& loop, Surroundings& around) {
   Waiter waiter(around.lcm.arrivals());
+  stop_event = around.lcm.arrivals();
   while (true) {
     const link::ClockReading clocks = link::readClocks();
     const double now = clocks.monotonic;
@@ -169,9 +180,11 @@ void run(link::BridgeLoop& loop, Surroundings& around) {
       loop.core().requestShutdown(now);
     }
     if (jump > 0 || now >= loop.nextFrameTime(now)) {  // what `now` says may not be waited for after a jump
-      loop.frame(now);
-      afterFrame(loop, around, now);
-      if (loop.core().shutdownDone(now)) return;
+      sendFrame(loop, around, now);
+      if (loop.core().shutdownDone(now)) {
+        stop_event = -1;
+        return;
+      }
     } else {
       loop.takeIn(now);
       waiter.sleep(loop.nextWakeTime(now), around.transport.connected() ? around.transport.descriptor() : -1);

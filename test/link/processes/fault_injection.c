@@ -19,7 +19,7 @@ struct order {
   volatile int64_t fault, argument, moment;
 };
 /* Faults; the tens say where: 10 main loop, 20 a thread that receives from the network, 30 any other thread. */
-enum { SEGV = 1, ABORT = 2, MEMORY = 3, STALL = 4, SPIN = 5, FPE = 6, EXIT = 7 };
+enum { SEGV = 1, ABORT = 2, MEMORY = 3, STALL = 4, SPIN = 5, FPE = 6, EXIT = 7, TERM = 8 };
 enum { STILL_CLOCK = 40, SUSPENDED = 41, WALL_SET = 42 };
 
 static struct order* order;
@@ -61,6 +61,7 @@ static void perhaps(int where) {
   if (fault == MEMORY) take_memory();
   if (fault == STALL) nanosleep(&pause, NULL);
   if (fault == EXIT) _exit(3);
+  if (fault == TERM) raise(SIGTERM); /* between the loop's look at its signals and its sleep */
   while (fault == SPIN) {
   }
 }

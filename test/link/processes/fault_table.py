@@ -14,7 +14,7 @@ import time
 
 import link_faults
 import process_faults
-from link_bench import IDLE, NotBegun, Witness
+from link_bench import IDLE, NotBegun, Witness, measure_firmly
 
 ALONE = ("Flood", "CpuStarved")  # they are about the whole machine
 SHARE = 10     # trials that one worker does with one set of programs
@@ -38,8 +38,10 @@ def started(kind, programs, seed):
 
 
 def run_batch(name, programs, helpers, seed, trials, with_ros):
-    """@return list of attempts: fault, moment from which the promise counts, seconds to idle, largest output afterwards [us], error, void"""
+    """@return list of attempts: fault, moment from which the promise counts, seconds to idle, largest output afterwards [us], error, void;
+    with an error the seconds are those that the attempt took"""
     os.environ["SNAPWING_TEST_HELPERS"] = helpers
+    measure_firmly()
     kind = next(kind for kind in kinds_of(with_ros) if kind.__name__ == name)
     results, fault = [], None
 
@@ -49,12 +51,12 @@ def run_batch(name, programs, helpers, seed, trials, with_ros):
     for attempt in range(PATIENCE * trials):
         if sum(not result["void"] for result in results) == trials:
             break
+        begin = time.monotonic()
         try:
             fault = fault or started(kind, programs, 1000 * seed + attempt)
             note(*fault.trial())
         except Exception as error:  # pylint: disable=broad-except
-            void = isinstance(error, NotBegun)
-            note(error=f"{type(error).__name__}: {error}", seconds=0.0 if void else link_faults.NEVER, void=void)
+            note(begin, time.monotonic() - begin, error=f"{type(error).__name__}: {error}", void=isinstance(error, NotBegun))
             if fault is not None:
                 fault.close()
             fault = None
@@ -71,13 +73,14 @@ class Row:
         self.void = sum(result["void"] for result in results)
         results = [result for result in results if not result["void"]]
         self.trials = len(results)
-        times = sorted(result["seconds"] for result in results) or [link_faults.NEVER]
+        times = sorted(link_faults.NEVER if result["error"] else result["seconds"] for result in results) or [link_faults.NEVER]
         at = lambda share: times[min(len(times) - 1, int(share * len(times)))]
         self.median, self.most, self.worst = at(0.5), at(0.99), times[-1]
         self.returned = [result for result in results if result["highest"] > IDLE and not result["error"]]
         self.late = [result for result in results if result["seconds"] > kind.promise and not result["error"]]
-        self.excused = sum(result["stall"] > 0 for result in self.late)
-        self.errors = [result["error"] for result in results if result["error"]]
+        self.excused = sum(result["seconds"] - result["stall"] <= kind.promise for result in self.late)
+        self.errors = [f"{result['error']}; longest stall that the witness saw in this attempt: {1000 * result['longest']:.0f} ms"
+                       for result in results if result["error"]]
         typical = kind.typical or kind.promise
         self.good = self.median <= typical and not (self.returned or len(self.late) > self.excused or self.errors or not results)
 
@@ -134,7 +137,8 @@ flight_link_node with a planner and a ROS master, standin_flight_controller) on 
 full-throttle pulse, with the motors seen at its thrust. Times run from the harm to the motors' outputs at idle or off, as the stand-in
 flight controller puts them out (ramp of 21 ms included); for faults that need not break the pulse off, from the pulse's own end (0: not later than that).
 Promised are a time that the median keeps, where two are given, and one that all keep, except while the machine itself stood still:
-"late" counts the trials beyond it, in brackets those of them in which a witness of the highest real-time priority was itself held up.
+"late" counts the trials beyond it, in brackets those of them that would not be late without the time for which a witness of the highest
+real-time priority was itself held up.
 "Thrust returned" counts trials in which the outputs rose above idle again for more than 2 ms, with the failed part restarted, continued or plugged in
 again. "Void" attempts did not begin, because a busy machine let arming or the command fail; they were repeated. docs/safety.md explains
 the promises.
@@ -171,8 +175,7 @@ def run_all(kinds, options, results, witness):
             for task in concurrent.futures.as_completed(tasks):
                 batch = task.result()
                 for result in batch:
-                    begin, end = result["moment"], result["moment"] + min(result["seconds"], 1.0)
-                    result["stall"] = sum(stop - start for start, stop in list(witness.stalls) if start < end and begin < stop)
+                    result["stall"], result["longest"] = witness.stood_still(result["moment"], result["moment"] + result["seconds"])
                 results.add(batch)
                 row = Row(tasks[task], results.of(tasks[task]))
                 print(row.text(), *row.errors[:3], sep="\n    ", flush=True)

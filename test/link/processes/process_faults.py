@@ -17,11 +17,8 @@ class BridgeKilled(Killed):
     victim = "bridge"
 
 
-class BridgeStopped(Killed):
+class BridgeStopped(BridgeKilled):
     name = "radio_bridge: SIGSTOP; ended by the guardian, started again"
-    promise, typical = GUARDIAN, TYPICAL
-    guard = "guardian"
-    victim = "bridge"
     signal = signal.SIGSTOP
 
 
@@ -86,87 +83,35 @@ class Injected(Fault):
     survives = False
 
 
-class SegvMain(Injected):
-    name = "segmentation fault in the bridge's loop"
-    fault = 11
+def injected(fault, class_name, name, **others):
+    return type(class_name, (Injected,), {"fault": fault, "name": name, "__module__": __name__, **others})
 
 
-class SegvNetwork(Injected):
-    name = "segmentation fault in the thread that reads the network (LCM's, all signals blocked)"
-    fault = 21
-
-
-class SegvOther(Injected):
-    name = "segmentation fault in another thread of the bridge"
-    fault = 31
-
-
-class AbortMain(Injected):
-    name = "abort (as by std::terminate) in the bridge's loop"
-    fault = 12
-
-
-class AbortNetwork(Injected):
-    name = "abort in the thread that reads the network"
-    fault = 22
-
-
-class AbortOther(Injected):
-    name = "abort in another thread of the bridge"
-    fault = 32
-
-
-class MemoryMain(Injected):
-    name = "the bridge's loop takes memory without end"
-    fault = 13
-
-
-class MemoryNetwork(Injected):
-    name = "the thread that reads the network takes memory without end"
-    fault = 23
-
-
-class Stalled(Injected):
-    name = "the bridge's loop stands still for 90 to 600 ms"
-    fault = 14
-    argument = (90, 600)
-
-
-class Spinning(Injected):
-    name = "the bridge's loop turns without end at its real-time priority"
-    fault = 15
-
-
-class ExitOther(Injected):
-    name = "another thread ends the bridge's process"
-    fault = 37
-
-
-class ClockStill(Injected):
-    name = "monotonic clock stands still while the others go on"
-    guard = "bridge: clocks disagree; guardian"
-    fault = 40
-
-
-class Suspended(Injected):
-    name = "suspended for 0.1 to 3 s: boot time and wall clock went on, the monotonic clock did not"
-    promise = 0.06
-    typical = None
-    guard = "bridge: clocks disagree"
-    fault = 41
-    argument = (100, 3000)
-    survives = True
-
-
-class WallClockSet(Suspended):
-    name = "wall clock set by an hour"
-    fault = 42
-    argument = (-3600000, 3600000)
+CLOCKS = {"guard": "bridge: clocks disagree", "promise": 0.06, "typical": None, "survives": True}
+INJECTED = [
+    injected(11, "SegvMain", "segmentation fault in the bridge's loop"),
+    injected(21, "SegvNetwork", "segmentation fault in the thread that reads the network (LCM's, all signals blocked)"),
+    injected(31, "SegvOther", "segmentation fault in another thread of the bridge"),
+    injected(12, "AbortMain", "abort (as by std::terminate) in the bridge's loop"),
+    injected(22, "AbortNetwork", "abort in the thread that reads the network"),
+    injected(32, "AbortOther", "abort in another thread of the bridge"),
+    injected(13, "MemoryMain", "the bridge's loop takes memory without end"),
+    injected(23, "MemoryNetwork", "the thread that reads the network takes memory without end"),
+    injected(14, "Stalled", "the bridge's loop stands still for 90 to 600 ms", argument=(90, 600)),
+    injected(15, "Spinning", "the bridge's loop turns without end at its real-time priority"),
+    injected(37, "ExitOther", "another thread ends the bridge's process"),
+    injected(18, "TermBeforeSleep", "radio_bridge: SIGTERM just before its loop goes to sleep", guard="bridge: safe frames before it ends",
+             promise=0.06, typical=None),
+    injected(40, "ClockStill", "monotonic clock stands still while the others go on", guard="bridge: clocks disagree; guardian"),
+    injected(41, "Suspended", "suspended for 0.1 to 3 s: boot time and wall clock went on, the monotonic clock did not",
+             argument=(100, 3000), **CLOCKS),
+    injected(42, "WallClockSet", "wall clock set by an hour", argument=(-3600000, 3600000), **CLOCKS),
+]
 
 
 class GuardianKilled(Fault):
     name = "guardian: kill -9"
-    promise = 0.10  # seen after a frame, and the next one is safe
+    promise = 0.08  # looked at right before the frame that it makes safe
     guard = "bridge: refuses to pulse without it"
     signal = signal.SIGKILL
 
@@ -208,6 +153,4 @@ class GuardianThenBridge(GuardianKilled):
         return since, undo
 
 
-INJECTED = [SegvMain, SegvNetwork, SegvOther, AbortMain, AbortNetwork, AbortOther, MemoryMain, MemoryNetwork, Stalled, Spinning, ExitOther,
-            ClockStill, Suspended, WallClockSet]
 ALL = [BridgeKilled, BridgeStopped, BridgeTerminated, BridgeCrashed, *INJECTED, GuardianKilled, GuardianStopped, GuardianThenBridge]

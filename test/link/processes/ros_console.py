@@ -47,19 +47,22 @@ class Deadman:
     def __init__(self):
         self.publisher = rospy.Publisher("command/deadman", Bool, queue_size=1, tcp_nodelay=True)
         self.held = False
+        self.lock = threading.Lock()  # none says "held" after one has said "let go"
         threading.Thread(target=self._run, daemon=True).start()
 
     def _run(self):
         while True:
-            if self.held:
-                self.publisher.publish(True)
+            with self.lock:
+                if self.held:
+                    self.publisher.publish(True)
             time.sleep(0.02)
 
     def set(self, held):
-        self.held = held
-        if not held:
-            tell_time("deadman")
-            self.publisher.publish(False)
+        with self.lock:
+            self.held = held
+            if not held:
+                tell_time("deadman")
+                self.publisher.publish(False)
 
 
 def tell_time(what):

@@ -7,11 +7,10 @@ import time
 import xmlrpc.client
 
 import yaml
-from link_bench import Bench, NotBegun, Process, free_port, wait_for
+from link_bench import START, Bench, NotBegun, Process, free_port, wait_for
 from link_faults import Fault, Killed, Lasting, Stopped
 
 HERE = pathlib.Path(__file__).resolve().parent
-START = 60  # s, for what Python starts on a machine at work
 
 
 class RosBench(Bench):

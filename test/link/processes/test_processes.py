@@ -138,6 +138,18 @@ class Processes(unittest.TestCase):
         with self.assertRaises(AssertionError):
             bench.arm(timeout=1.5)
 
+    def test_the_first_frame_after_the_guardians_death_is_safe(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(1.0, 1.4)
+        frames = len(bench.statuses)
+        wait_for(lambda: len(bench.statuses) > frames, 1.0, "a frame leaves")
+        os.kill(bench.guardian(), signal.SIGKILL)
+        killed = time.monotonic()
+        wait_for(lambda: "guardian" in bench.fresh().get("fault", ""), 1.0, "fault with a name")
+        safe = next(status["frame_time"] for status in bench.statuses if status["state"] == "fault")
+        self.assertLess(safe - killed, 0.028, "frames leave every 20 ms")
+
     def test_guardian_killed_first_and_then_the_bridge(self):
         """Nobody is left on this side: the flight controller's own hold."""
         bench = self.bench
