@@ -65,10 +65,10 @@ BridgeCore::Sender* BridgeCore::findSender(std::int64_t id, double now) {
   return free_place;
 }
 
-Refusal BridgeCore::checkStamp(const Stamp& stamp, Kind kind, double now, std::int64_t& detail) {
+Refusal BridgeCore::checkStamp(const Stamp& stamp, Kind kind, bool stops, double now, std::int64_t& detail) {
   if (stamp.session != session_) return Refusal::WRONG_SESSION;
-  // An abort may be late: stopping is always allowed in the session it was meant for.
-  const Refusal echo = kind == Kind::ABORT ? Refusal::NONE : checkEcho(stamp, now, detail);
+  // Stopping is always allowed in the session it was meant for, also by an operator who has heard no status for long.
+  const Refusal echo = stops ? Refusal::NONE : checkEcho(stamp, now, detail);
   if (echo != Refusal::NONE) return echo;
   Sender* sender = findSender(stamp.sender_id, now);
   if (sender == nullptr) return Refusal::TOO_MANY_SENDERS;
@@ -119,7 +119,7 @@ Refusal BridgeCore::checkPulse(const PulseCommand& command, double now, std::int
 
 Refusal BridgeCore::onPulse(const PulseCommand& command, double now) {
   std::int64_t detail = 0;
-  Refusal refusal = checkStamp(command.stamp, Kind::PULSE, now, detail);
+  Refusal refusal = checkStamp(command.stamp, Kind::PULSE, false, now, detail);
   if (refusal == Refusal::NONE) refusal = checkPulse(command, now, detail);
   if (refusal != Refusal::NONE) return refuse(refusal, detail);
   // The latest command before the next frame wins; there is no queue.
@@ -133,7 +133,7 @@ Refusal BridgeCore::onPulse(const PulseCommand& command, double now) {
 
 Refusal BridgeCore::onAbort(const Abort& abort, double now) {
   std::int64_t detail = 0;
-  const Refusal refusal = checkStamp(abort.stamp, Kind::ABORT, now, detail);
+  const Refusal refusal = checkStamp(abort.stamp, Kind::ABORT, true, now, detail);
   if (refusal != Refusal::NONE) return refuse(refusal, detail);
   ++status_.commands_accepted;
   latch(Fault::ABORTED, abort.reason);
@@ -142,7 +142,9 @@ Refusal BridgeCore::onAbort(const Abort& abort, double now) {
 
 Refusal BridgeCore::onHeartbeat(const Heartbeat& heartbeat, double now) {
   std::int64_t detail = 0;
-  const Refusal refusal = checkStamp(heartbeat.stamp, Kind::HEARTBEAT, now, detail);
+  const bool wish = heartbeat.arm_switch && heartbeat.deadman;
+  const bool stops = !wish && active() && heartbeat.stamp.sender_id == operator_id_;
+  const Refusal refusal = checkStamp(heartbeat.stamp, Kind::HEARTBEAT, stops, now, detail);
   if (refusal == Refusal::STALE && heartbeat.stamp.sender_id == operator_id_) {
     late_heartbeat_ = now;
     late_by_ = detail;
@@ -160,7 +162,6 @@ Refusal BridgeCore::onHeartbeat(const Heartbeat& heartbeat, double now) {
     }
   }
 
-  const bool wish = heartbeat.arm_switch && heartbeat.deadman;
   const bool begins = wish && !sender.wished;
   sender.wished = wish;
   if (active() && sender.id == operator_id_) {

@@ -228,7 +228,8 @@ bool OperatorLink::beat(const Wish& wish) {
   heartbeat.arm_switch = wish.arm;
   heartbeat.deadman = wish.deadman;
   heartbeat.reset_fault = wish.reset;
-  if (!stamp(heartbeat.stamp, heartbeat_number_)) {
+  const bool stopping = session_ != 0 && monotonicSeconds() < repeat_until_;  // told also to a bridge that is not heard
+  if (!stamp(heartbeat.stamp, heartbeat_number_) && !stopping) {
     ++counters_.not_sent;
     return false;
   }

@@ -308,6 +308,37 @@ TEST_F(Core, AbortLatchesFromEveryStateEvenWhenLate) {
   EXPECT_EQ(core_.status().fault_detail, 3);
 }
 
+/// Half of the datagrams lost: an operator who has heard no status for 0.1 s must still be able to stop.
+TEST_F(Core, LateHeartbeatOfTheOperatorStopsAndDoesNothingElse) {
+  for (const bool released : {false, true}) {
+    arm();
+    ASSERT_EQ(core_.onPulse(pulse(released ? 2 : 1, 1.0, 1.0), now_), Refusal::NONE);
+    run(0.1, true);
+    const Stamp old = stamp();
+    run(0.2, true);
+    Heartbeat late{old, true, true, false};
+    late.stamp.number = ++number_;
+    EXPECT_EQ(core_.onHeartbeat(late, now_), Refusal::STALE) << "it asks for thrust";
+    EXPECT_EQ(core_.status().state, BridgeState::PULSE);
+    Heartbeat replayed{old, false, true, false};
+    EXPECT_EQ(core_.onHeartbeat(replayed, now_), Refusal::REPEATED_NUMBER);
+    Heartbeat foreign{old, false, true, false};
+    foreign.stamp.sender_id = SENDER + 1;
+    foreign.stamp.number = ++number_;
+    EXPECT_EQ(core_.onHeartbeat(foreign, now_), Refusal::STALE);
+    EXPECT_EQ(core_.status().state, BridgeState::PULSE);
+    Heartbeat stop{old, released, !released, false};
+    stop.stamp.number = ++number_;
+    EXPECT_EQ(core_.onHeartbeat(stop, now_), Refusal::NONE);
+    EXPECT_EQ(core_.status().state, BridgeState::IDLE);
+    tick();
+    EXPECT_TRUE(safe());
+    stop.stamp.number = ++number_;
+    stop.reset_fault = true;
+    EXPECT_EQ(core_.onHeartbeat(stop, now_), Refusal::STALE) << "no use for anything when nothing is to be stopped";
+  }
+}
+
 TEST_F(Core, OwnStallLatchesBeforeTheFirstFrameAfterIt) {
   arm();
   ASSERT_EQ(core_.onPulse(pulse(1, 1.0, 1.4), now_), Refusal::NONE);

@@ -87,7 +87,8 @@ class BridgeCore {
     bool reset_wished = true;      ///< reset_fault in the last heartbeat; true at first, so that an edge is needed
   };
 
-  Refusal checkStamp(const Stamp& stamp, Kind kind, double now, std::int64_t& detail);
+  /// @param stops  the message can do nothing but end thrust, and may be of any age
+  Refusal checkStamp(const Stamp& stamp, Kind kind, bool stops, double now, std::int64_t& detail);
   Refusal checkEcho(const Stamp& stamp, double now, std::int64_t& detail) const;
   Sender* findSender(std::int64_t id, double now);
   Refusal checkPulse(const PulseCommand& command, double now, std::int64_t& detail) const;
