@@ -56,6 +56,14 @@ class NotBegun(AssertionError):
     """The harm could not be done because arming or the pulse before it failed (a machine too busy): says nothing about the fault."""
 
 
+def wait_for_start(condition, what):
+    """Raises NotBegun: that a program starts late on a busy machine says nothing about the link."""
+    try:
+        wait_for(condition, START, what)
+    except AssertionError as error:
+        raise NotBegun(str(error)) from error
+
+
 class Process:
     """A child whose output lines are read by a thread and handed to `on_line`."""
 

@@ -9,7 +9,7 @@ import struct
 import subprocess
 import time
 
-from link_bench import IDLE, START, Bench, NotBegun, be_firm, free_port, wait_for
+from link_bench import IDLE, Bench, NotBegun, be_firm, free_port, wait_for, wait_for_start
 from relays import LcmRelay, SerialRelay
 
 NEVER = 99.0
@@ -421,7 +421,7 @@ class LogReplayed(Lasting):
         if new_session:
             bench.bridge.kill()
             bench.bridge = bench.start_bridge()
-            wait_for(lambda: bench.fresh().get("state") == "idle", START, "a new bridge is there")
+            wait_for_start(lambda: bench.fresh().get("state") == "idle", "a new bridge is there")
         since = time.monotonic()
         before = bench.status()
         play_lcm_log(log, bench.url)

@@ -7,7 +7,7 @@ import time
 import xmlrpc.client
 
 import yaml
-from link_bench import START, Bench, NotBegun, Process, free_port, wait_for
+from link_bench import Bench, NotBegun, Process, free_port, wait_for_start
 from link_faults import Fault, Killed, Lasting, Stopped
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -34,7 +34,7 @@ class RosBench(Bench):
         def answers():
             with contextlib.suppress(OSError):
                 return api.getPid("/bench")[0] == 1
-        wait_for(answers, START, "ROS master")
+        wait_for_start(answers, "ROS master")
         settings = yaml.safe_load((HERE.parents[2] / "config/nodes/flight_link_node.yaml").read_text())
         settings.update(self.node_settings)
         for key, value in settings.items():
@@ -50,7 +50,7 @@ class RosBench(Bench):
         planner = Process(["/usr/bin/python3", HERE / "ros_console.py"], self._status, env=self.environment)
         self.processes.append(planner)
         self.statuses.clear()
-        wait_for(lambda: self.statuses, START, "planner hears the node")
+        wait_for_start(lambda: self.statuses, "planner hears the node")
         time.sleep(0.3)  # the node's subscription to the new publisher
         return planner
 
