@@ -11,6 +11,11 @@ bool takeRealtimePriority(int priority);
 /// Of the operator's end: below the bridge and above everything else, so that a busy machine does not look like a dead
 /// operator.
 constexpr int OPERATOR_PRIORITY = 30;
+/// Of what stands for other hardware, so that a busy machine does not look like a dead flight controller or a vehicle
+/// that stands still: the stand-in flight controller above the guardian, the simulated vehicle below the operator's
+/// end.
+constexpr int STANDIN_PRIORITY = 60;
+constexpr int SIMULATION_PRIORITY = 20;
 
 /// The name under which ps and pkill see this process; call once, early. Child processes take names of their own.
 void keepArguments(int argc, char** argv);

@@ -18,6 +18,7 @@
 #include "own_arguments.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
+#include "snapwing/link/realtime.h"
 #include "snapwing/link/standin_controller.h"
 #include "snapwing/link/standin_port.h"
 #include "snapwing/link/standin_wrong.h"
@@ -193,6 +194,7 @@ int run(const Options& o) {
   std::array<std::uint8_t, 4096> in;
   std::array<std::uint8_t, 4096> out;
   double next_motor = 0;
+  link::takeRealtimePriority(link::STANDIN_PRIORITY);
   while (stop_signal == 0) {
     port.wait(o.period);
     if (port.accept()) receiver.reset();

@@ -21,6 +21,7 @@
 #include "snapwing/common/table_origin.h"
 #include "snapwing/common/time_watch.h"
 #include "snapwing/dynamics/plant.h"
+#include "snapwing/link/realtime.h"
 #include "snapwing/rom/trial.h"
 #include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
@@ -204,5 +205,7 @@ class SimulatedVehicleNode {
 }  // namespace snapwing::nodes
 
 int main(int argc, char** argv) {
+  // Before ROS starts its threads, which inherit it.
+  snapwing::link::takeRealtimePriority(snapwing::link::SIMULATION_PRIORITY);
   return snapwing::nodes::runNode<snapwing::nodes::SimulatedVehicleNode>(argc, argv, "simulated_vehicle_node");
 }

@@ -12,6 +12,7 @@
 #include <snapwing/ModeState.h>
 #include <snapwing/StateMode.h>
 #include <std_srvs/SetBool.h>
+#include <sys/resource.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
@@ -311,5 +312,8 @@ class WingStateNode {
 }  // namespace snapwing::nodes
 
 int main(int argc, char** argv) {
+  // Before the planner's search, where that is allowed. No real-time priority: on a slow computer it works all the
+  // time.
+  setpriority(PRIO_PROCESS, 0, -10);
   return snapwing::nodes::runNode<snapwing::nodes::WingStateNode>(argc, argv, "wing_state_node");
 }
