@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/table_origin.h"
 #include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
 #include "support/example_table.h"
+#include "support/example_wing.h"
 #include "support/paths.h"
 
 namespace snapwing::rom {
@@ -20,7 +20,7 @@ class Prediction : public ::testing::Test {
       : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
         model_(LumpedModel::fromVehicle(vehicle_, table_, common::realise(vehicle_, table_), {},
-                                        common::wingTableOf(vehicle_, common::armTableOf(vehicle_)))) {
+                                        snapwing::testing::exampleTableWing(vehicle_))) {
     trial_.mount = Mount::BOOM;
   }
   SnapPrediction predict(Mode start, double throttle, double duration) const {
@@ -147,7 +147,7 @@ TEST_F(Prediction, BoomOnlyMattersOnTheBoom) {
   p.boom_drag *= 2;
   p.boom_friction *= 2;
   const LumpedModel heavy =
-      LumpedModel::fromVehicle(vehicle_, table_, p, {}, common::wingTableOf(vehicle_, common::armTableOf(vehicle_)));
+      LumpedModel::fromVehicle(vehicle_, table_, p, {}, snapwing::testing::exampleTableWing(vehicle_));
   EXPECT_NE(heavy.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel,
             model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel);
   trial_.mount = Mount::FREE;

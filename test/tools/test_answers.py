@@ -125,6 +125,15 @@ class Trade(Case):
             self.assertEqual({row["content_sha256"] for row in rows if row["scene"] == name}, {found["content_sha256"]})
 
 
+class Verdicts(Case):
+    def test_a_wing_that_misses_its_targets_ends_with_1(self):
+        text = (ROOT / "test" / "data" / "designs" / "wing_small.yaml").read_text().replace("../../../config", str(ROOT / "config"))
+        for wanted, code, word in (("2.45", 0, b": met"), ("1.60", 1, b": NOT MET")):
+            settings = self.file("wing.yaml", text.replace("wing_rotation: 2.45", "wing_rotation: " + wanted))
+            self.assertIn(word, self.snapwing("design", "wing", settings, "-o", "w", code=code).stdout)
+            self.assertTrue((self.folder / "w" / "wing_table.h5").exists())
+
+
 class Inputs(Case):
     def test_a_prediction_names_every_table(self):
         self.snapwing(*PREDICT, "--json", "p.json")
