@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <ctime>
 
-#include "snapwing/design/arm_topology.h"
+#include "snapwing/design/arm/arm_topology.h"
 #include "support/paths.h"
 
 namespace {

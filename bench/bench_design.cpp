@@ -1,8 +1,8 @@
 // Cost of the wing's rungs: one position, one position with derivatives, one elastic equilibrium, whole designs.
 #include <benchmark/benchmark.h>
 
-#include "snapwing/design/wing_design.h"
-#include "snapwing/design/wing_elastic_problem.h"
+#include "snapwing/design/wing/wing_design.h"
+#include "snapwing/design/wing/wing_elastic_problem.h"
 #include "support/paths.h"
 
 namespace {

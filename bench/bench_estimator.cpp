@@ -10,16 +10,16 @@
 #include <random>
 #include <string>
 
-#include "snapwing/common/pulse.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
+#include "snapwing/standin/plant.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "support/paths.h"
 
 namespace {
 
 using namespace snapwing;
-using common::Mode;
+using vehicle::Mode;
 
 double reading_period = 0.005;  // [s] between readings of the accelerometer
 
@@ -41,25 +41,26 @@ struct Score {
 /// One vehicle, its sensors and its estimate.
 class Trial {
  public:
-  Trial(const common::Vehicle& vehicle, const common::ForceTable& table, const std::optional<common::WingTable>& wing,
-        dynamics::PlantSettings flight, planning::EstimatorSettings settings, std::uint64_t seed, Mode start)
+  Trial(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+        const std::optional<vehicle::WingTable>& wing, standin::PlantSettings flight,
+        planning::EstimatorSettings settings, std::uint64_t seed, Mode start)
       : radio_(vehicle.radio),
         random_(static_cast<std::mt19937::result_type>(seed)),
-        plant_(vehicle, table, dynamics::drawParameters(vehicle, table, seed), flight, wing),
+        plant_(vehicle, table, standin::drawParameters(vehicle, table, seed), flight, wing),
         estimator_(vehicle, table, (settings.seed = seed, settings), wing) {
     bias_ = std::normal_distribution<double>(0.0, 0.1)(random_);
     late_ = uniform(0.0, 0.02);
     truth_ = start;
     plant_.reset(start);
     estimator_.reset(0.0, start);
-    setOutput(common::motorOutput(radio_, 0.0));
+    setOutput(vehicle::motorOutput(radio_, 0.0));
   }
 
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   void pulse(double throttle, double duration) {
-    setOutput(common::motorOutput(radio_, throttle));
+    setOutput(vehicle::motorOutput(radio_, throttle));
     run(duration);
-    setOutput(common::motorOutput(radio_, 0.0));
+    setOutput(vehicle::motorOutput(radio_, 0.0));
   }
   void run(double length) {
     const long count = std::lround(length / reading_period);
@@ -70,7 +71,7 @@ class Trial {
     run(length);
     plant_.push(0.0);
   }
-  dynamics::Plant& plant() { return plant_; }
+  standin::Plant& plant() { return plant_; }
 
   Score finish() {
     const Mode said = estimator_.estimate().mode;
@@ -126,9 +127,9 @@ class Trial {
     if (said.mode != Mode::UNKNOWN && mode != Mode::UNKNOWN && said.mode != mode) ++score_.wrong;
   }
 
-  common::Radio radio_;
+  vehicle::Radio radio_;
   std::mt19937 random_;
-  dynamics::Plant plant_;
+  standin::Plant plant_;
   planning::ModeEstimator estimator_;
   double time_ = 0, bias_ = 0, late_ = 0, changed_ = 0;
   Mode truth_ = Mode::UNKNOWN;
@@ -140,7 +141,7 @@ class Trial {
 
 struct Case {
   const char* name;
-  dynamics::PlantMount mount;
+  standin::PlantMount mount;
   bool wings;
   Mode start;
   double hand_share;  ///< [1] of what Q holds
@@ -173,17 +174,17 @@ void brakeAndGoOn(Trial& t) {
 }
 
 const Case CASES[] = {
-    {"at rest in F", dynamics::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4, [](Trial& t) { t.run(3.0); }},
-    {"at rest in Q", dynamics::PlantMount::BOOM, false, Mode::QUADROTOR, 0.4, [](Trial& t) { t.run(3.0); }},
-    {"boom, F -> Q -> F", dynamics::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
+    {"at rest in F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4, [](Trial& t) { t.run(3.0); }},
+    {"at rest in Q", standin::PlantMount::BOOM, false, Mode::QUADROTOR, 0.4, [](Trial& t) { t.run(3.0); }},
+    {"boom, F -> Q -> F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) { both(t, 0.647, 0.171, 1.0, 0.588); }},
-    {"free, wings off, F -> Q -> F", dynamics::PlantMount::FREE, false, Mode::FIXED_WING, 0.4,
+    {"free, wings off, F -> Q -> F", standin::PlantMount::FREE, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) { both(t, 0.617, 0.162, 1.0, 0.583); }},
-    {"free, wings on, F -> Q -> F", dynamics::PlantMount::FREE, true, Mode::FIXED_WING, 0.4,
+    {"free, wings on, F -> Q -> F", standin::PlantMount::FREE, true, Mode::FIXED_WING, 0.4,
      [](Trial& t) { both(t, 0.622, 0.287, 0.999, 0.608); }},
-    {"boom, gentle hand in Q, Q -> F", dynamics::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4, brakeAndGoOn},
-    {"boom, hand brakes too hard in Q", dynamics::PlantMount::BOOM, false, Mode::FIXED_WING, 0.99, brake},
-    {"boom, pushed back after F -> Q", dynamics::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
+    {"boom, gentle hand in Q, Q -> F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4, brakeAndGoOn},
+    {"boom, hand brakes too hard in Q", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.99, brake},
+    {"boom, pushed back after F -> Q", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) {
        t.run(0.3);
        t.pulse(0.647, 0.171);
@@ -191,19 +192,19 @@ const Case CASES[] = {
        t.pushFor(-t.uniform(6.0, 15.0), t.uniform(0.15, 0.4));
        t.run(1.0);
      }},
-    {"boom, pushed up in F", dynamics::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
+    {"boom, pushed up in F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) {
        t.run(0.5);
        t.pushFor(t.uniform(10.0, 22.0), t.uniform(0.12, 0.3));
        t.run(1.5);
      }},
-    {"boom, pushed down in Q", dynamics::PlantMount::BOOM, false, Mode::QUADROTOR, 0.4,
+    {"boom, pushed down in Q", standin::PlantMount::BOOM, false, Mode::QUADROTOR, 0.4,
      [](Trial& t) {
        t.run(0.5);
        t.pushFor(-t.uniform(3.0, 12.0), t.uniform(0.1, 0.4));
        t.run(1.5);
      }},
-    {"free, wings on, pushed up in F", dynamics::PlantMount::FREE, true, Mode::FIXED_WING, 0.4,
+    {"free, wings on, pushed up in F", standin::PlantMount::FREE, true, Mode::FIXED_WING, 0.4,
      [](Trial& t) {
        t.run(0.5);
        t.pushFor(t.uniform(8.0, 20.0), t.uniform(0.15, 0.4));
@@ -258,20 +259,21 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  const common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  const common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, table);
+  const vehicle::Vehicle vehicle =
+      vehicle::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::ForceTable table = vehicle::loadForceTable(vehicle.arm.table_file);
+  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, table);
   std::printf(
       "| case | inside, %% | RMS, mm | sure and wrong, %% | unsure, %% | changes seen | lag mean / worst, ms | at the "
       "end "
       "wrong, unsure | us |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const Case& c : CASES) {
     if (std::string(c.name).find(only) == std::string::npos) continue;
-    dynamics::PlantSettings flight;
+    standin::PlantSettings flight;
     flight.mount = c.mount;
     flight.hand_share_q = c.hand_share;
     planning::EstimatorSettings s = settings;
-    s.mount = c.mount == dynamics::PlantMount::BOOM ? rom::Mount::BOOM : rom::Mount::FREE;
+    s.mount = c.mount == standin::PlantMount::BOOM ? vehicle::Mount::BOOM : vehicle::Mount::FREE;
     flight.wings = s.wings = c.wings;
     Score sum;
     for (int k = 0; k < seeds; ++k) {

@@ -10,8 +10,8 @@ namespace {
 using namespace snapwing;
 
 struct Setup {
-  common::Vehicle vehicle = common::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::ForceTable table = vehicle::loadForceTable(vehicle.arm.table_file);
 };
 
 const Setup& setup() {
@@ -19,20 +19,20 @@ const Setup& setup() {
   return instance;
 }
 
-void plan(benchmark::State& state, common::Mode start) {
+void plan(benchmark::State& state, vehicle::Mode start) {
   planning::PlannerSettings settings;
   settings.threads = static_cast<int>(state.range(0));
-  rom::Trial trial;
-  trial.mount = rom::Mount::BOOM;
+  vehicle::Trial trial;
+  trial.mount = vehicle::Mount::BOOM;
   const planning::PulsePlanner planner(setup().vehicle, setup().table, settings);
   for (auto _ : state) benchmark::DoNotOptimize(planner.plan(start, trial));
 }
-BENCHMARK_CAPTURE(plan, F_to_Q, common::Mode::FIXED_WING)->Arg(1)->Arg(2)->Unit(benchmark::kSecond)->UseRealTime();
-BENCHMARK_CAPTURE(plan, Q_to_F, common::Mode::QUADROTOR)->Arg(1)->Arg(2)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK_CAPTURE(plan, F_to_Q, vehicle::Mode::FIXED_WING)->Arg(1)->Arg(2)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK_CAPTURE(plan, Q_to_F, vehicle::Mode::QUADROTOR)->Arg(1)->Arg(2)->Unit(benchmark::kSecond)->UseRealTime();
 
 void estimatorReading(benchmark::State& state) {
   planning::ModeEstimator estimator(setup().vehicle, setup().table);
-  estimator.reset(0.0, common::Mode::FIXED_WING);
+  estimator.reset(0.0, vehicle::Mode::FIXED_WING);
   estimator.motorOutput(0.0, 0.5);
   double time = 0;
   for (auto _ : state) estimator.accelerometer(time += 0.005, 4.0);

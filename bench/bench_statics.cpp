@@ -9,7 +9,7 @@
 #include <string>
 
 #include "snapwing/common/error.h"
-#include "snapwing/statics/scene_problem.h"
+#include "snapwing/scene/scene_problem.h"
 
 namespace {
 
@@ -31,18 +31,18 @@ double least(int repeats, const std::function<void()>& work) {
   return best;
 }
 
-void measure(statics::Scene scene, double cell_size) {
+void measure(scene::Scene scene, double cell_size) {
   scene.cell_size = cell_size;
-  std::unique_ptr<statics::CompiledScene> compiled;
-  const double compile = least(1, [&] { compiled = statics::compileScene(scene, 1); });
-  const statics::Problem& problem = compiled->problem();
-  statics::Evaluation at;
+  std::unique_ptr<scene::CompiledScene> compiled;
+  const double compile = least(1, [&] { compiled = scene::compileScene(scene, 1); });
+  const solver::Problem& problem = compiled->problem();
+  solver::Evaluation at;
   const Eigen::VectorXd z = Eigen::VectorXd::Zero(problem.freeCount()), p = Eigen::VectorXd::Constant(1, 1e-6);
   const int repeats = problem.freeCount() > 50000 ? 3 : 7;
-  problem.evaluate(z, p, statics::Order::TANGENT, at);
-  const double tangent = least(repeats, [&] { problem.evaluate(z, p, statics::Order::TANGENT, at); });
-  std::unique_ptr<statics::Cholesky> cholesky;
-  const double analysis = least(1, [&] { cholesky = std::make_unique<statics::Cholesky>(problem.pattern()); });
+  problem.evaluate(z, p, solver::Order::TANGENT, at);
+  const double tangent = least(repeats, [&] { problem.evaluate(z, p, solver::Order::TANGENT, at); });
+  std::unique_ptr<solver::Cholesky> cholesky;
+  const double analysis = least(1, [&] { cholesky = std::make_unique<solver::Cholesky>(problem.pattern()); });
   bool good = true;
   const double factor = least(repeats, [&] { good = cholesky->factorize(at.hessian) && good; });
   if (!good) throw common::Error("the Hessian has no Cholesky factor");
@@ -64,11 +64,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    statics::Scene scene = statics::loadScene(argv[1]);
+    scene::Scene scene = scene::loadScene(argv[1]);
     const std::string kernel = argv[2];
-    scene.kernel = kernel == "quadratic"        ? statics::SceneKernel::QUADRATIC
-                   : kernel == "linear_reduced" ? statics::SceneKernel::LINEAR_REDUCED
-                                                : statics::SceneKernel::LINEAR;
+    scene.kernel = kernel == "quadratic"        ? scene::SceneKernel::QUADRATIC
+                   : kernel == "linear_reduced" ? scene::SceneKernel::LINEAR_REDUCED
+                                                : scene::SceneKernel::LINEAR;
     scene.particles = std::atoi(argv[3]);
     for (int k = 4; k < argc; ++k) measure(scene, std::atof(argv[k]));
   } catch (const std::exception& error) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "snapwing/common/error.h"
-#include "snapwing/design/wing_outcome.h"
+#include "snapwing/design/wing/wing_outcome.h"
 
 namespace {
 

@@ -10,5 +10,5 @@ add_service_files(FILES ${snapwing_srvs})
 add_action_files(FILES ${snapwing_actions})
 catkin_python_setup()
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs std_msgs)
-catkin_package(INCLUDE_DIRS include LIBRARIES snapwing_common snapwing_rom snapwing_planning
+catkin_package(INCLUDE_DIRS include LIBRARIES snapwing_common snapwing_vehicle snapwing_rom snapwing_planning
                CATKIN_DEPENDS message_runtime ${SNAPWING_CATKIN})

@@ -25,6 +25,19 @@ function(snapwing_add_floor floor)
   set_property(GLOBAL APPEND PROPERTY SNAPWING_LIBRARIES snapwing_${floor})
 endfunction()
 
+# snapwing_add_program(<name> SOURCES a.cpp ... LINKS <target> ...): runs without ROS; in a catkin build it lies where
+# rosrun and roslaunch look for it.
+function(snapwing_add_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS})
+  snapwing_compile_settings(${name})
+  if(SNAPWING_WITH_ROS)
+    set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY SNAPWING_PROGRAMS ${name})
+endfunction()
+
 # Tests and benchmarks find shipped files through support/paths.h.
 if(SNAPWING_TESTS OR SNAPWING_BENCH)
   add_library(snapwing_test_paths STATIC ${PROJECT_SOURCE_DIR}/test/support/paths.cpp)

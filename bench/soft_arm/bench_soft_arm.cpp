@@ -9,7 +9,7 @@
 
 using namespace snapwing;
 using bench::Outcome;
-using common::Mode;
+using vehicle::Mode;
 
 namespace {
 
@@ -19,7 +19,7 @@ struct Case {
 };
 
 rom::LumpedModel lumped(const bench::ArmBody& body, bool weightless) {
-  common::ForceTable table = body.table;
+  vehicle::ForceTable table = body.table;
   if (weightless) {
     table.mass = 0;
     table.kinetic_mass.assign(table.travel.size(), 0.0);
@@ -46,7 +46,7 @@ double lumpedThreshold(const rom::LumpedModel& model, const Case& c) {
 
 int main(int argc, char** argv) {
   const double cell = argc > 1 ? 1e-3 * std::atof(argv[1]) : 0.0, dt = argc > 2 ? 1e-3 * std::atof(argv[2]) : 1e-3;
-  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const bench::ArmBody body(vehicle, cell, 0.2, 0.001);
   const rom::LumpedModel with = lumped(body, false), without = lumped(body, true);
   std::printf(

@@ -20,7 +20,7 @@ Force coulomb(double f, double v) {
 }  // namespace
 
 SoftArm::SoftArm(const statics::ArmProblem& arm, double mass_density, int arms,
-                 const common::VehicleParameters& parameters, bool boom)
+                 const vehicle::VehicleParameters& parameters, bool boom)
     : arm_(arm), problem_(arm.problem()), arms_(arms), p_(parameters), cholesky_(problem_.pattern()) {
   assembleMass(mass_density);
   // The vehicle file counts the arms in the total: the rigid ring is what they leave.
@@ -31,8 +31,8 @@ SoftArm::SoftArm(const statics::ArmProblem& arm, double mass_density, int arms,
 
 void SoftArm::assembleMass(double mass_density) {
   const mpm::Discretisation<2>& solid = problem_.solid();
-  const statics::Reduction& reduction = problem_.reduction();
-  const statics::SparsePattern& pattern = problem_.pattern();
+  const solver::Reduction& reduction = problem_.reduction();
+  const solver::SparsePattern& pattern = problem_.pattern();
   const Eigen::VectorXd b =
       reduction.expandDirection(Eigen::VectorXd::Zero(problem_.freeCount()), Eigen::VectorXd::Ones(1));
   Eigen::VectorXd e = Eigen::VectorXd::Zero(solid.dofCount());
@@ -82,7 +82,7 @@ SoftState SoftArm::start(double travel) const {
   for (int k = 0; k <= count; ++k) targets.push_back(travel * k / count);
   const statics::PathResult path =
       statics::PathFollower(problem_, {}).follow(Eigen::VectorXd::Zero(problem_.freeCount()), targets);
-  if (path.status != statics::SolveStatus::CONVERGED) throw common::Error("soft arm: " + path.message);
+  if (path.status != solver::SolveStatus::CONVERGED) throw common::Error("soft arm: " + path.message);
   SoftState state;
   state.z = path.points.back().solution;
   state.z_rate = Eigen::VectorXd::Zero(problem_.freeCount());
@@ -91,8 +91,8 @@ SoftState SoftArm::start(double travel) const {
 }
 
 double SoftArm::energy(const SoftState& s) const {
-  statics::Evaluation at;
-  problem_.evaluate(s.z, Eigen::VectorXd::Constant(1, s.travel), statics::Order::ENERGY, at);
+  solver::Evaluation at;
+  problem_.evaluate(s.z, Eigen::VectorXd::Constant(1, s.travel), solver::Order::ENERGY, at);
   const Bordered m = momentum(s.z_rate, s.travel_rate, s.ring_speed);
   const double centre = s.ring_speed - s.travel_rate;
   const double kinetic = m.rz.dot(s.z_rate) + m.ru * s.travel_rate + m.rr * s.ring_speed +
@@ -111,10 +111,10 @@ bool SoftArm::step(SoftState* s, double demand, double dt) {
   const Bordered before = momentum(s->z_rate, s->travel_rate, s->ring_speed);
   Eigen::VectorXd vz = s->z_rate;  // rates at the middle
   double vu = s->travel_rate, vr = s->ring_speed;
-  statics::Evaluation at;
+  solver::Evaluation at;
   Eigen::VectorXd tangent_z, tangent_p;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    problem_.evaluate(s->z + h * vz, Eigen::VectorXd::Constant(1, s->travel + h * vu), statics::Order::TANGENT, at);
+    problem_.evaluate(s->z + h * vz, Eigen::VectorXd::Constant(1, s->travel + h * vu), solver::Order::TANGENT, at);
     if (!at.finite) return false;
     problem_.controlTangent(at, Eigen::VectorXd::Ones(1), tangent_z, tangent_p);
     const Bordered now = momentum(vz, vu, vr);

@@ -11,8 +11,8 @@
 
 #include <memory>
 
-#include "snapwing/common/vehicle_parameters.h"
 #include "snapwing/statics/arm_problem.h"
+#include "snapwing/vehicle/vehicle_parameters.h"
 
 namespace snapwing::bench {
 
@@ -27,7 +27,7 @@ class SoftArm {
  public:
   /// @param arm      must outlive this; @param arms  of the vehicle
   /// @param boom     boom's mass, drag and friction join the ring
-  SoftArm(const statics::ArmProblem& arm, double mass_density, int arms, const common::VehicleParameters& parameters,
+  SoftArm(const statics::ArmProblem& arm, double mass_density, int arms, const vehicle::VehicleParameters& parameters,
           bool boom);
 
   /// At rest in the static equilibrium at a travel, from the arm's path. @throws common::Error if it is not converged
@@ -50,14 +50,14 @@ class SoftArm {
   Bordered momentum(const Eigen::VectorXd& z, double u, double r) const;
 
   const statics::ArmProblem& arm_;
-  const statics::SolidProblem<2>& problem_;
+  const solver::SolidProblem<2>& problem_;
   int arms_;
-  common::VehicleParameters p_;
+  vehicle::VehicleParameters p_;
   double ring_mass_, ring_drag_, friction_;
   std::vector<double> mass_;           ///< T^T M T in the pattern of the problem
   Eigen::VectorXd mass_zu_, mass_zr_;  ///< couplings to travel and ring
   double mass_uu_ = 0, mass_ur_ = 0, mass_rr_ = 0;
-  statics::Cholesky cholesky_;
+  solver::Cholesky cholesky_;
   int iterations_ = 0;
 };
 

@@ -9,9 +9,9 @@ namespace snapwing::bench {
 
 namespace {
 
-rom::Trial boomFromRest() {
-  rom::Trial trial;
-  trial.mount = rom::Mount::BOOM;
+vehicle::Trial boomFromRest() {
+  vehicle::Trial trial;
+  trial.mount = vehicle::Mount::BOOM;
   trial.initial_thrust_fraction = 0.0;
   return trial;
 }
@@ -27,7 +27,7 @@ mpm::DensityField withoutLightCells(mpm::DensityField field, double least) {
 class EndRule {
  public:
   EndRule(const ArmBody& body, const rom::LumpedModel& model)
-      : features_(common::curveFeatures(body.table)), model_(model), trial_(boomFromRest()) {}
+      : features_(vehicle::curveFeatures(body.table)), model_(model), trial_(boomFromRest()) {}
   bool ended(const SoftState& s, double demand) {
     const bool idle = std::abs(s.thrust / model_.parameters().max_thrust - demand) < 0.01;
     if (!idle || std::abs(s.travel_rate) > 0.06) since_ = s.time;
@@ -45,16 +45,16 @@ class EndRule {
   double barrier() const { return features_.barrier_travel; }
 
  private:
-  common::CurveFeatures features_;
+  vehicle::CurveFeatures features_;
   const rom::LumpedModel& model_;
-  rom::Trial trial_;
+  vehicle::Trial trial_;
   double since_ = 0;
 };
 
 }  // namespace
 
-ArmBody::ArmBody(const common::Vehicle& of, double cell_size, double least_density, double travel_step) : vehicle(of) {
-  const common::ArmSettings& a = vehicle.arm;
+ArmBody::ArmBody(const vehicle::Vehicle& of, double cell_size, double least_density, double travel_step) : vehicle(of) {
+  const vehicle::ArmSettings& a = vehicle.arm;
   mpm::DensityField design = mpm::loadDensityCsv(a.density_file, a.domain_length, a.domain_height);
   if (cell_size > 0) design = design.resampled(cell_size);
   const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
@@ -65,19 +65,19 @@ ArmBody::ArmBody(const common::Vehicle& of, double cell_size, double least_densi
   settings.step = travel_step;
   settings.back = false;
   statics::ArmCurve curve = statics::traceArm(*arm, settings);
-  if (curve.status != statics::SolveStatus::CONVERGED) throw common::Error("soft arm: " + curve.message);
+  if (curve.status != solver::SolveStatus::CONVERGED) throw common::Error("soft arm: " + curve.message);
   table = std::move(curve.table);
   table.arm_count = a.count;
-  parameters = common::realise(vehicle, table);
+  parameters = vehicle::realise(vehicle, table);
 }
 
-Outcome softTrial(const ArmBody& body, common::Mode start, double fraction, double duration, double dt) {
-  const common::VehicleParameters& p = body.parameters;
+Outcome softTrial(const ArmBody& body, vehicle::Mode start, double fraction, double duration, double dt) {
+  const vehicle::VehicleParameters& p = body.parameters;
   SoftArm soft(*body.arm, body.vehicle.material.mass_density.value, body.vehicle.arm.count, p, true);
   const rom::LumpedModel model = rom::LumpedModel::fromVehicle(body.vehicle, body.table, p);
   EndRule rule(body, model);
-  const double second = common::curveFeatures(body.table).second_travel;
-  SoftState s = soft.start(start == common::Mode::FIXED_WING ? 0.0 : second);
+  const double second = vehicle::curveFeatures(body.table).second_travel;
+  SoftState s = soft.start(start == vehicle::Mode::FIXED_WING ? 0.0 : second);
   Outcome out;
   out.peak = s.travel;
   const double idle = model.idleFraction(), begin = p.latency, end = begin + duration, last = end + 4.0;
@@ -96,7 +96,7 @@ Outcome softTrial(const ArmBody& body, common::Mode start, double fraction, doub
       }
       out.peak = std::max(out.peak, s.travel);
       if (until == last && rule.ended(s, demand)) {
-        out.end = s.travel < rule.barrier() ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
+        out.end = s.travel < rule.barrier() ? vehicle::Mode::FIXED_WING : vehicle::Mode::QUADROTOR;
         return out;
       }
     }
@@ -104,7 +104,7 @@ Outcome softTrial(const ArmBody& body, common::Mode start, double fraction, doub
   return out;
 }
 
-Outcome lumpedTrial(const rom::LumpedModel& model, common::Mode start, double fraction, double duration) {
+Outcome lumpedTrial(const rom::LumpedModel& model, vehicle::Mode start, double fraction, double duration) {
   const rom::SnapPrediction p = model.predict(start, fraction, duration, boomFromRest());
   Outcome out;
   out.end = p.end_mode;
@@ -114,14 +114,14 @@ Outcome lumpedTrial(const rom::LumpedModel& model, common::Mode start, double fr
 }
 
 double threshold(double low, double high, int halvings, const std::function<Outcome(double)>& trial,
-                 common::Mode start) {
+                 vehicle::Mode start) {
   const auto switches = [&](double duration) {
     const Outcome outcome = trial(duration);
     std::fprintf(stderr, "  %.2f ms: %s\n", 1e3 * duration,
                  outcome.failed         ? "gave up"
                  : outcome.end == start ? "stays"
                                         : "switches");
-    if (outcome.failed || outcome.end == common::Mode::UNKNOWN) throw common::Error("soft arm: a trial did not end");
+    if (outcome.failed || outcome.end == vehicle::Mode::UNKNOWN) throw common::Error("soft arm: a trial did not end");
     return outcome.end != start;
   };
   const bool at_low = switches(low);

@@ -8,15 +8,15 @@ namespace snapwing::bench {
 
 /// A body of the vehicle's arm with its own force table.
 struct ArmBody {
-  ArmBody(const common::Vehicle& vehicle, double cell_size, double least_density, double travel_step);
-  common::Vehicle vehicle;
+  ArmBody(const vehicle::Vehicle& vehicle, double cell_size, double least_density, double travel_step);
+  vehicle::Vehicle vehicle;
   std::unique_ptr<statics::ArmProblem> arm;
-  common::ForceTable table;
-  common::VehicleParameters parameters;
+  vehicle::ForceTable table;
+  vehicle::VehicleParameters parameters;
 };
 
 struct Outcome {
-  common::Mode end = common::Mode::UNKNOWN;
+  vehicle::Mode end = vehicle::Mode::UNKNOWN;
   double snap_time = NAN;  ///< [s] after the command, last crossing of the unloaded barrier
   double peak = 0;         ///< [m]
   bool failed = false;     ///< the integration gave up
@@ -24,11 +24,11 @@ struct Outcome {
 
 /// Starts at rest with stopped motors; the pulse comes after the latency.
 /// @param fraction  steady thrust / full thrust; @param dt  [s]
-Outcome softTrial(const ArmBody& body, common::Mode start, double fraction, double duration, double dt);
-Outcome lumpedTrial(const rom::LumpedModel& model, common::Mode start, double fraction, double duration);
+Outcome softTrial(const ArmBody& body, vehicle::Mode start, double fraction, double duration, double dt);
+Outcome lumpedTrial(const rom::LumpedModel& model, vehicle::Mode start, double fraction, double duration);
 
 /// Shortest pulse that switches, by bisection. @param low, high  [s] the outcome differs between them
 double threshold(double low, double high, int halvings, const std::function<Outcome(double)>& trial,
-                 common::Mode start);
+                 vehicle::Mode start);
 
 }  // namespace snapwing::bench

@@ -18,7 +18,7 @@ from snapwing_tools.yaml_file import load_yaml
 
 
 class ForceTable:
-    """Force-displacement table of one arm (see include/snapwing/common/force_table.h). SI."""
+    """Force-displacement table of one arm (see include/snapwing/vehicle/force_table.h). SI."""
 
     def __init__(self):
         self.path = ""

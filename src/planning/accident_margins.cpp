@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "snapwing/common/pulse.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::planning {
 
@@ -24,30 +24,30 @@ double largestSurvived(double top, const Survives& survives) {
   return low;
 }
 
-bool stays(const rom::LumpedModel& model, common::Mode mode, double fraction, double duration,
-           const rom::Trial& trial) {
+bool stays(const rom::LumpedModel& model, vehicle::Mode mode, double fraction, double duration,
+           const vehicle::Trial& trial) {
   return model.predict(mode, fraction, duration, trial).end_mode == mode;
 }
 
 }  // namespace
 
-std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table,
-                                            const std::optional<common::WingTable>& wing) {
+std::vector<AccidentMargin> accidentMargins(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                                            const std::optional<vehicle::WingTable>& wing) {
   const rom::LumpedModel model =
-      rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table), {}, wing);
-  const common::VehicleParameters& p = model.parameters();
+      rom::LumpedModel::fromVehicle(vehicle, table, vehicle::realise(vehicle, table), {}, wing);
+  const vehicle::VehicleParameters& p = model.parameters();
   const double full = p.max_thrust;
   const double weight = (p.ring_mass + p.centre_mass) * GRAVITY;
-  const common::Mode F = common::Mode::FIXED_WING, Q = common::Mode::QUADROTOR;
-  rom::Trial level;  // axis level, from rest
-  rom::Trial upright;
+  const vehicle::Mode F = vehicle::Mode::FIXED_WING, Q = vehicle::Mode::QUADROTOR;
+  vehicle::Trial level;  // axis level, from rest
+  vehicle::Trial upright;
   upright.gravity = GRAVITY;
   upright.horizon = 1.0;
   std::vector<AccidentMargin> list;
 
   AccidentMargin thrust{"sudden thrust in F", "throttle jumps from idle and stays for half a second", F, "N"};
   thrust.limit = full * largestSurvived(1.0, [&](double f) {
-                   rom::Trial trial = level;
+                   vehicle::Trial trial = level;
                    trial.final_thrust_fraction = f;  // stays: judged while it acts
                    return stays(model, F, f, 0.5, trial);
                  });
@@ -56,7 +56,7 @@ std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, cons
 
   AccidentMargin cut{"hover thrust cut in Q", "steady thrust falls to idle at once, vehicle at rest", Q, "N"};
   cut.limit = full * largestSurvived(1.0, [&](double f) {
-                rom::Trial trial = level;
+                vehicle::Trial trial = level;
                 trial.initial_thrust_fraction = f;
                 return stays(model, Q, model.idleFraction(), 0.0, trial);
               });
@@ -65,7 +65,7 @@ std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, cons
 
   AccidentMargin climb{"thrust cut while climbing in Q", "steady climb along the axis, then motors at idle", Q, "m/s"};
   climb.limit = largestSurvived(40.0, [&](double speed) {
-    rom::Trial trial = upright;
+    vehicle::Trial trial = upright;
     trial.initial_speed = speed;
     const double drag = (p.ring_drag + p.centre_drag) * speed * speed;
     trial.initial_thrust_fraction = std::min(1.0, (weight + drag) / full);
@@ -74,8 +74,8 @@ std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, cons
   climb.occurs = std::numeric_limits<double>::quiet_NaN();
   list.push_back(climb);
 
-  rom::Trial grasped;
-  grasped.mount = rom::Mount::HELD;
+  vehicle::Trial grasped;
+  grasped.mount = vehicle::Mount::HELD;
   const rom::LoadedBasins basins(model.potential(), model.inertiaOf(grasped));
   AccidentMargin held{"ring held upright in F", "the centre hangs in the arms with its weight", F, "N"};
   held.limit = basins.limit(F, GRAVITY);

@@ -40,8 +40,8 @@ void EstimatorSettings::validate() const {
   require(std::abs(gravity) <= 100, "gravity", gravity, "-100 .. 100 m/s2");
 }
 
-double ModeEstimate::travelIn(common::Mode in) const {
-  const double there = in == common::Mode::QUADROTOR ? travel_quadrotor : travel_fixed_wing;
+double ModeEstimate::travelIn(vehicle::Mode in) const {
+  const double there = in == vehicle::Mode::QUADROTOR ? travel_quadrotor : travel_fixed_wing;
   return std::isfinite(there) ? there : travel;
 }
 

@@ -7,7 +7,7 @@
 
 namespace snapwing::planning {
 
-Fleet::Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
+Fleet::Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
              const PlannerSettings& settings, double step)
     : vehicle_(vehicle), table_(table), curves_(curves), settings_(settings), model_settings_(settings.model) {
   model_settings_.step = step;
@@ -15,7 +15,7 @@ Fleet::Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, co
 
 void Fleet::add(const BoxPoint& point) {
   const BoxPoint parameters(point.begin(), point.end() - 1);
-  const common::VehicleParameters p = common::realise(vehicle_, table_, parameters);
+  const vehicle::VehicleParameters p = vehicle::realise(vehicle_, table_, parameters);
   models_.push_back(curves_.model(vehicle_.radio, p, model_settings_));
   points_.push_back(point);
 }
@@ -24,13 +24,13 @@ void Fleet::add(const std::vector<BoxPoint>& points) {
   for (const BoxPoint& point : points) add(point);
 }
 
-common::Pulse Fleet::received(int index, const common::Pulse& pulse) const {
+vehicle::Pulse Fleet::received(int index, const vehicle::Pulse& pulse) const {
   const double error = points_[index].back() * settings_.frame_jitter / vehicle_.radio.frame_rate;
   return {pulse.throttle, std::max(0.0, pulse.duration + error)};
 }
 
-rom::SnapPrediction Fleet::predict(int index, common::Mode start, const common::Pulse& pulse,
-                                   const rom::Trial& trial) const {
+rom::SnapPrediction Fleet::predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,
+                                   const vehicle::Trial& trial) const {
   return models_[index].predict(start, received(index, pulse), vehicle_.radio, trial);
 }
 
@@ -50,8 +50,8 @@ double FleetOutcome::reached(double share) const {
   return sorted[allowed];
 }
 
-FleetOutcome Fleet::tryPulse(common::Mode start, const common::Pulse& pulse, const rom::Trial& trial, double give_up,
-                             int threads) const {
+FleetOutcome Fleet::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
+                             double give_up, int threads) const {
   constexpr int BLOCK = 16;
   FleetOutcome outcome;
   outcome.worst = INFINITY;

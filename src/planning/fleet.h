@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "snapwing/common/pulse.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/planning/uncertainty_points.h"
 #include "snapwing/rom/vehicle_curves.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::planning {
 
@@ -24,7 +24,7 @@ struct FleetOutcome {
 class Fleet {
  public:
   /// Keeps references. @param table  of one arm; @param curves  made of it and the wings; @param step  of the model [s]
-  Fleet(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
+  Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
         const PlannerSettings& settings, double step);
 
   /// A fleet of the same kind without vehicles.
@@ -40,19 +40,20 @@ class Fleet {
   const std::vector<BoxPoint>& points() const { return points_; }
 
   /// The pulse as this vehicle's motors see it.
-  common::Pulse received(int index, const common::Pulse& pulse) const;
-  rom::SnapPrediction predict(int index, common::Mode start, const common::Pulse& pulse, const rom::Trial& trial) const;
+  vehicle::Pulse received(int index, const vehicle::Pulse& pulse) const;
+  rom::SnapPrediction predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,
+                              const vehicle::Trial& trial) const;
   /// Margin that counts: the model's, or less if the travel leaves what is known.
   double margin(const rom::SnapPrediction& prediction) const;
 
   /// Tries a pulse on all vehicles, in order; if all must switch, gives up after a block whose
   /// worst is below `give_up`.
-  FleetOutcome tryPulse(common::Mode start, const common::Pulse& pulse, const rom::Trial& trial, double give_up,
+  FleetOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial, double give_up,
                         int threads) const;
 
  private:
-  const common::Vehicle& vehicle_;
-  const common::ForceTable& table_;
+  const vehicle::Vehicle& vehicle_;
+  const vehicle::ForceTable& table_;
   const rom::VehicleCurves& curves_;
   const PlannerSettings& settings_;
   rom::LumpedSettings model_settings_;

@@ -8,8 +8,8 @@
 #include "particles.h"
 #include "random_source.h"
 #include "snapwing/common/error.h"
-#include "snapwing/common/pulse.h"
 #include "snapwing/rom/vehicle_curves.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::planning {
 
@@ -51,13 +51,13 @@ struct OutputChange {
 }  // namespace
 
 struct ModeEstimator::Impl {
-  Impl(const common::Vehicle& v, const common::ForceTable& table, const EstimatorSettings& s,
-       const std::optional<common::WingTable>& wing)
+  Impl(const vehicle::Vehicle& v, const vehicle::ForceTable& table, const EstimatorSettings& s,
+       const std::optional<vehicle::WingTable>& wing)
       : vehicle(v),
         settings(s),
         curves(table, wing),
         random(s.seed),
-        touch(s.mount == rom::Mount::HELD ? 0.0 : s.outside_force, s.outside_rate, s.outside_time),
+        touch(s.mount == vehicle::Mount::HELD ? 0.0 : s.outside_force, s.outside_rate, s.outside_time),
         cloud(v, table, s.particles, random),
         barrier(curves.spline().equilibria().barrier) {
     trial.mount = s.mount;
@@ -66,22 +66,22 @@ struct ModeEstimator::Impl {
     trial.validate();
   }
 
-  std::shared_ptr<const rom::LumpedModel> modelFor(const common::VehicleParameters& p) const {
+  std::shared_ptr<const rom::LumpedModel> modelFor(const vehicle::VehicleParameters& p) const {
     rom::LumpedSettings lumped;
     lumped.step = settings.step;
     lumped.convergence = 1e-6;  // of the last move; the error left is about its square
     return std::make_shared<rom::LumpedModel>(curves.model(vehicle.radio, p, lumped));
   }
 
-  void reset(double at, common::Mode initial);
+  void reset(double at, vehicle::Mode initial);
   /// After a gap: nothing is known but what the motors do.
   void beginAnew(double at);
   double outputFor(const Particle& particle, double at) const;
   void moveTo(double at, double longest_step);
   void forgetOldChanges();
   /// The trial with the force from outside that the particle believes in.
-  rom::Trial trialOf(const Particle& particle) const {
-    rom::Trial around = trial;
+  vehicle::Trial trialOf(const Particle& particle) const {
+    vehicle::Trial around = trial;
     around.push = particle.outside.force;
     return around;
   }
@@ -104,13 +104,13 @@ struct ModeEstimator::Impl {
   /// known. @param span  [s]
   void follow(double span, double specific_force);
 
-  common::Vehicle vehicle;
+  vehicle::Vehicle vehicle;
   EstimatorSettings settings;
   rom::VehicleCurves curves;
   RandomSource random;
   OutsideForceProcess touch;
   ParameterCloud cloud;
-  rom::Trial trial;
+  vehicle::Trial trial;
   std::vector<Particle> particles;
   std::vector<OutputChange> changes;  ///< by time
   long steps = 0;
@@ -126,20 +126,20 @@ struct ModeEstimator::Impl {
   double sampling_variance = 0;  ///< [1] of the log odds of the modes: what drawing anew added since the start
 };
 
-void ModeEstimator::Impl::reset(double at, common::Mode initial) {
+void ModeEstimator::Impl::reset(double at, vehicle::Mode initial) {
   time = at;
   last_reading = -INFINITY;
   lost = evidence = last_effective = touched = touched_time = sampling_variance = 0;
-  known = initial != common::Mode::UNKNOWN;
+  known = initial != vehicle::Mode::UNKNOWN;
   changes.clear();
   particles.assign(settings.particles, Particle{});
-  rom::Trial rest = trial;
+  vehicle::Trial rest = trial;
   rest.initial_thrust_fraction = 0.0;
   for (int i = 0; i < settings.particles; ++i) {
     Particle& particle = particles[i];
     particle.model = modelFor(cloud.drawn()[i]);
-    common::Mode mode = initial;
-    if (mode == common::Mode::UNKNOWN) mode = i % 2 == 0 ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
+    vehicle::Mode mode = initial;
+    if (mode == vehicle::Mode::UNKNOWN) mode = i % 2 == 0 ? vehicle::Mode::FIXED_WING : vehicle::Mode::QUADROTOR;
     particle.state = particle.model->startState(mode, rest);
     particle.state.time = at;
     particle.bias = settings.accelerometer_bias * random.normal();
@@ -151,7 +151,7 @@ void ModeEstimator::Impl::reset(double at, common::Mode initial) {
 
 void ModeEstimator::Impl::beginAnew(double at) {
   const double output = changes.empty() ? 0.0 : changes.back().output;
-  reset(at, common::Mode::UNKNOWN);
+  reset(at, vehicle::Mode::UNKNOWN);
   changes.push_back({at - settings.output_delay, output});
 }
 
@@ -172,15 +172,15 @@ void ModeEstimator::Impl::moveTo(double at, double longest_step) {
   const double spread = std::sqrt(span);
   for (Particle& particle : particles) {
     particle.weight *= touch.move(&particle.outside, span, random);
-    const rom::Trial around = trialOf(particle);
+    const vehicle::Trial around = trialOf(particle);
     const double q = particle.model->parameters().quadratic_share;
     for (int i = 0; i < count; ++i) {
-      const double demand = common::thrustFraction(q, outputFor(particle, time + (i + 0.5) * dt));
+      const double demand = vehicle::thrustFraction(q, outputFor(particle, time + (i + 0.5) * dt));
       particle.state = particle.model->step(particle.state, demand, dt, around);
       stopAtLimits(&particle);
     }
     const double kick = (settings.process_noise * std::abs(particle.state.travelRate()) + LEAST_NOISE) * spread;
-    const double common_kick = settings.mount == rom::Mount::HELD ? 0.0 : COMMON_NOISE * spread * random.normal();
+    const double common_kick = settings.mount == vehicle::Mount::HELD ? 0.0 : COMMON_NOISE * spread * random.normal();
     particle.state.ring_speed += common_kick;
     particle.state.centre_speed += common_kick + kick * random.normal();
     particle.state.time = at;
@@ -192,14 +192,14 @@ void ModeEstimator::Impl::moveTo(double at, double longest_step) {
 
 void ModeEstimator::Impl::stopAtLimits(Particle* particle) const {
   rom::LumpedState& state = particle->state;
-  const common::Limits& limits = vehicle.limits;
+  const vehicle::Limits& limits = vehicle.limits;
   const double limit = std::clamp(state.travel, limits.travel_min, limits.travel_max);
   if (limit == state.travel) return;
   const bool outward = (state.travel > limit) == (state.travelRate() > 0);
   const double change = outward ? -(1.0 + particle->restitution) * state.travelRate() : 0.0;
   // The blow keeps the momentum m_r z_r' + m_c z_c' + S u'.
   const double centre = particle->model->parameters().centre_mass;
-  const double all = trial.mount == rom::Mount::HELD ? INFINITY : particle->model->ringMass(trial) + centre;
+  const double all = trial.mount == vehicle::Mount::HELD ? INFINITY : particle->model->ringMass(trial) + centre;
   const rom::TravelInertia* moved = particle->model->inertiaOf(trial);
   const double share = rom::relativeInertia(moved ? moved->at(limit) : rom::InertiaSample(), centre, all).share;
   state.ring_speed += share * change;
@@ -317,14 +317,14 @@ void ModeEstimator::Impl::judge(ModeEstimate* result) const {
   } else if (!known) {
     result->reason = "the readings fitted nothing a moment ago";
   } else {
-    result->mode = fixed_wing ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
+    result->mode = fixed_wing ? vehicle::Mode::FIXED_WING : vehicle::Mode::QUADROTOR;
   }
 }
 
 void ModeEstimator::Impl::resample() {
   sampling_variance += samplingVariance(particles, barrier);
   std::vector<Particle> next = drawAnew(particles, barrier, random);
-  std::vector<common::VehicleParameters> parameters;
+  std::vector<vehicle::VehicleParameters> parameters;
   for (const Particle& particle : next) parameters.push_back(particle.model->parameters());
   cloud.scatter(parameters, random);
   for (std::size_t i = 0; i < next.size(); ++i) {
@@ -334,19 +334,19 @@ void ModeEstimator::Impl::resample() {
   particles = std::move(next);
 }
 
-ModeEstimator::ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table,
-                             const EstimatorSettings& settings, const std::optional<common::WingTable>& wing) {
+ModeEstimator::ModeEstimator(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                             const EstimatorSettings& settings, const std::optional<vehicle::WingTable>& wing) {
   settings.validate();
   impl_ = std::make_unique<Impl>(vehicle, table, settings, wing);
   if (!impl_->curves.spline().equilibria().bistable)
     throw common::Error("mode estimator: the force curve is not bistable");
-  reset(0.0, common::Mode::UNKNOWN);
+  reset(0.0, vehicle::Mode::UNKNOWN);
 }
 
 ModeEstimator::~ModeEstimator() = default;
 ModeEstimator::ModeEstimator(ModeEstimator&&) noexcept = default;
 
-void ModeEstimator::reset(double time, common::Mode initial) { impl_->reset(time, initial); }
+void ModeEstimator::reset(double time, vehicle::Mode initial) { impl_->reset(time, initial); }
 
 void ModeEstimator::atRest() {
   for (Particle& particle : impl_->particles) {

@@ -12,8 +12,8 @@ namespace snapwing::planning {
 namespace {
 
 using common::ClockEvent;
-using common::Mode;
 using common::StampVerdict;
+using vehicle::Mode;
 
 constexpr std::size_t BURST = 16;  // readings at once from which they are thinned
 constexpr const char* FELL_BEHIND = "this computer fell behind the IMU readings, and nothing has shown the mode since";

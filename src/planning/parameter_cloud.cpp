@@ -7,7 +7,7 @@
 namespace snapwing::planning {
 
 namespace {
-using P = common::VehicleParameters;
+using P = vehicle::VehicleParameters;
 constexpr std::array<double P::*, 16> FIELDS = {
     &P::ring_mass,  &P::centre_mass,      &P::force_scale,        &P::damping,
     &P::max_thrust, &P::time_constant_up, &P::time_constant_down, &P::quadratic_share,
@@ -16,12 +16,12 @@ constexpr std::array<double P::*, 16> FIELDS = {
 constexpr double SHRINK = 0.98;
 }  // namespace
 
-ParameterCloud::ParameterCloud(const common::Vehicle& vehicle, const common::ForceTable& table, int count,
+ParameterCloud::ParameterCloud(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, int count,
                                RandomSource& random) {
-  std::vector<double> xi(common::uncertainNames().size());
+  std::vector<double> xi(vehicle::uncertainNames().size());
   for (int i = 0; i < count; ++i) {
     for (double& x : xi) x = 2.0 * random.uniform() - 1.0;
-    drawn_.push_back(common::realise(vehicle, table, xi));
+    drawn_.push_back(vehicle::realise(vehicle, table, xi));
   }
   low_ = high_ = drawn_.front();
   for (const P& p : drawn_) {

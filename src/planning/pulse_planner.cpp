@@ -40,13 +40,13 @@ std::string describeCorner(const BoxPoint& point, const std::vector<ParameterInf
 
 /// Best pulse that passed through the check, and how it did there.
 struct BestPulse {
-  common::Pulse pulse;
+  vehicle::Pulse pulse;
   FleetOutcome outcome;
 };
 
 BestPulse findBest(PulseSearch& search, const PlannerSettings& settings) {
   search.scan();
-  common::Pulse candidate = search.bestCandidate();
+  vehicle::Pulse candidate = search.bestCandidate();
   search.addCorners(candidate);
   BestPulse best{candidate, {}};
   best.outcome.worst = -INFINITY;
@@ -66,7 +66,7 @@ BestPulse findBest(PulseSearch& search, const PlannerSettings& settings) {
 }
 
 /// Fills in what was found, accepted or not.
-void describe(PulseSearch& search, const BestPulse& best, const rom::Trial& trial, TransitionPlan* plan) {
+void describe(PulseSearch& search, const BestPulse& best, const vehicle::Trial& trial, TransitionPlan* plan) {
   const Fleet& fleet = search.checkedFleet();
   const FleetOutcome& outcome = best.outcome;
   plan->pulse = best.pulse;
@@ -99,32 +99,32 @@ TransitionPlan refused(TransitionPlan plan, const std::string& reason) {
 }  // namespace
 
 std::vector<std::string> plannerCoordinateNames() {
-  std::vector<std::string> names = common::uncertainNames();
+  std::vector<std::string> names = vehicle::uncertainNames();
   names.push_back("pulse length");
   return names;
 }
 
-PulsePlanner::PulsePlanner(const common::Vehicle& vehicle, const common::ForceTable& table,
-                           const PlannerSettings& settings, const std::optional<common::WingTable>& wing)
+PulsePlanner::PulsePlanner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                           const PlannerSettings& settings, const std::optional<vehicle::WingTable>& wing)
     : vehicle_(vehicle), table_(table), settings_(settings), curves_(table, wing) {
   settings_.validate();
 }
 
-TransitionPlan PulsePlanner::plan(common::Mode start, const rom::Trial& trial) const {
-  return plan(start, common::otherMode(start), trial);
+TransitionPlan PulsePlanner::plan(vehicle::Mode start, const vehicle::Trial& trial) const {
+  return plan(start, vehicle::otherMode(start), trial);
 }
 
-TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const rom::Trial& trial,
+TransitionPlan PulsePlanner::plan(vehicle::Mode start, vehicle::Mode target, const vehicle::Trial& trial,
                                   const std::function<bool()>& cancelled) const {
   trial.validate();
-  if (trial.mount == rom::Mount::BOOM) vehicle_.requireBoom("the trial");
+  if (trial.mount == vehicle::Mount::BOOM) vehicle_.requireBoom("the trial");
   TransitionPlan plan;
   plan.start_mode = start;
   plan.target_mode = target;
-  if (start == common::Mode::UNKNOWN || target == common::Mode::UNKNOWN) {
+  if (start == vehicle::Mode::UNKNOWN || target == vehicle::Mode::UNKNOWN) {
     return refused(plan, "start and target must be known modes");
   }
-  if (start == target) return refused(plan, "the vehicle is in mode " + common::modeName(target) + " already");
+  if (start == target) return refused(plan, "the vehicle is in mode " + vehicle::modeName(target) + " already");
   if (!curves_.spline().equilibria().bistable) {
     return refused(plan, "the arms' force curve is not bistable: there is no second mode");
   }
@@ -143,7 +143,7 @@ TransitionPlan PulsePlanner::plan(common::Mode start, common::Mode target, const
   return plan.accepted ? plan : refused(plan, reason);
 }
 
-OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int throttles, int durations,
+OutcomeMap PulsePlanner::map(vehicle::Mode start, const vehicle::Trial& trial, int throttles, int durations,
                              const std::function<void(int done, int all)>& progress) const {
   trial.validate();
   if (throttles < 1 || durations < 1) throw common::Error("outcome map: sides must have 1 pulse or more");
@@ -161,7 +161,7 @@ OutcomeMap PulsePlanner::map(common::Mode start, const rom::Trial& trial, int th
   std::mutex telling;
   int done = 0;
   common::parallelFor(throttles * durations, s.threads, [&](int k) {
-    const common::Pulse pulse{map.throttles[k / durations], map.durations[k % durations]};
+    const vehicle::Pulse pulse{map.throttles[k / durations], map.durations[k % durations]};
     const FleetOutcome outcome = fleet.tryPulse(start, pulse, trial, -INFINITY, 1);
     map.cells[k] = {pulse.throttle, pulse.duration, static_cast<double>(outcome.switched) / outcome.tried,
                     outcome.worst};

@@ -13,9 +13,9 @@ constexpr int LEARNED = 8;      // realisations taken over from a failed check
 constexpr int CANDIDATES = 12;  // pulses of the scan that may be returned to
 }  // namespace
 
-PulseSearch::PulseSearch(const common::Vehicle& vehicle, const common::ForceTable& table,
-                         const rom::VehicleCurves& curves, const PlannerSettings& settings, common::Mode start,
-                         const rom::Trial& trial, const std::function<bool()>& cancelled)
+PulseSearch::PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                         const rom::VehicleCurves& curves, const PlannerSettings& settings, vehicle::Mode start,
+                         const vehicle::Trial& trial, const std::function<bool()>& cancelled)
     : settings_(settings),
       start_(start),
       trial_(trial),
@@ -33,7 +33,7 @@ PulseSearch::PulseSearch(const common::Vehicle& vehicle, const common::ForceTabl
 
 void PulseSearch::scan() {
   const PlannerSettings& s = settings_;
-  std::vector<std::pair<double, common::Pulse>> found;
+  std::vector<std::pair<double, vehicle::Pulse>> found;
   double best_value = -INFINITY;
   for (int row = 0; row < s.scan_throttles && !cancelled(); ++row) {
     // A row shares the bound known before it, so that the threads' order does not matter.
@@ -41,7 +41,7 @@ void PulseSearch::scan() {
     std::vector<FleetOutcome> outcomes(s.scan_durations);
     const double throttle = gridValue(s.throttle_max, s.throttle_min, row, s.scan_throttles);
     const auto pulseAt = [&](int j) {
-      return common::Pulse{throttle, gridValue(s.duration_min, s.duration_max, j, s.scan_durations)};
+      return vehicle::Pulse{throttle, gridValue(s.duration_min, s.duration_max, j, s.scan_durations)};
     };
     common::parallelFor(s.scan_durations, s.threads,
                         [&](int j) { outcomes[j] = fleet_.tryPulse(start_, pulseAt(j), trial_, give_up, 1); });
@@ -58,10 +58,10 @@ void PulseSearch::scan() {
   for (const auto& [v, pulse] : found) candidates_.push_back(pulse);
 }
 
-common::Pulse PulseSearch::bestCandidate() {
-  common::Pulse best{settings_.throttle_max, settings_.duration_max};
+vehicle::Pulse PulseSearch::bestCandidate() {
+  vehicle::Pulse best{settings_.throttle_max, settings_.duration_max};
   double best_value = -INFINITY;
-  for (const common::Pulse& pulse : candidates_) {
+  for (const vehicle::Pulse& pulse : candidates_) {
     const FleetOutcome outcome = fleet_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
     ++evaluations_;
     predictions_ += outcome.tried;
@@ -74,7 +74,7 @@ common::Pulse PulseSearch::bestCandidate() {
   return best;
 }
 
-void PulseSearch::learn(const common::Pulse& pulse, const FleetOutcome& checked) {
+void PulseSearch::learn(const vehicle::Pulse& pulse, const FleetOutcome& checked) {
   std::vector<int> order(checked.margins.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return checked.margins[a] < checked.margins[b]; });
@@ -85,10 +85,10 @@ void PulseSearch::learn(const common::Pulse& pulse, const FleetOutcome& checked)
   candidates_.push_back(pulse);
 }
 
-common::Pulse PulseSearch::refine(const common::Pulse& from) {
+vehicle::Pulse PulseSearch::refine(const vehicle::Pulse& from) {
   const PlannerSettings& s = settings_;
   if (s.refine_evaluations == 0) return from;
-  common::Pulse best = from;
+  vehicle::Pulse best = from;
   double best_value = -INFINITY;
   nlopt::opt optimiser(nlopt::LN_SBPLX, 2);
   optimiser.set_lower_bounds({s.throttle_min, s.duration_min});
@@ -99,7 +99,7 @@ common::Pulse PulseSearch::refine(const common::Pulse& from) {
   optimiser.set_maxeval(s.refine_evaluations);
   struct Closure {
     PulseSearch* search;
-    common::Pulse* best;
+    vehicle::Pulse* best;
     double* best_value;
     nlopt::opt* optimiser;
   } closure{this, &best, &best_value, &optimiser};
@@ -108,7 +108,7 @@ common::Pulse PulseSearch::refine(const common::Pulse& from) {
         auto& c = *static_cast<Closure*>(data);
         PulseSearch& search = *c.search;
         if (search.cancelled()) c.optimiser->force_stop();
-        const common::Pulse pulse{x[0], x[1]};
+        const vehicle::Pulse pulse{x[0], x[1]};
         const FleetOutcome outcome =
             search.fleet_.tryPulse(search.start_, pulse, search.trial_, -INFINITY, search.settings_.threads);
         ++search.evaluations_;
@@ -134,7 +134,7 @@ common::Pulse PulseSearch::refine(const common::Pulse& from) {
   return best;
 }
 
-std::vector<ParameterInfluence> PulseSearch::influences(const common::Pulse& pulse, double* vertex_margin) {
+std::vector<ParameterInfluence> PulseSearch::influences(const vehicle::Pulse& pulse, double* vertex_margin) {
   const std::vector<std::string> names = plannerCoordinateNames();
   const int n = static_cast<int>(names.size());
   Fleet axes = checked_.emptyCopy();
@@ -157,7 +157,7 @@ std::vector<ParameterInfluence> PulseSearch::influences(const common::Pulse& pul
   return result;
 }
 
-void PulseSearch::addCorners(const common::Pulse& pulse) {
+void PulseSearch::addCorners(const vehicle::Pulse& pulse) {
   const std::vector<ParameterInfluence> effects = influences(pulse, nullptr);
   std::vector<int> order(effects.size());
   std::iota(order.begin(), order.end(), 0);
@@ -171,7 +171,7 @@ void PulseSearch::addCorners(const common::Pulse& pulse) {
   checked_.add(corners);
 }
 
-FleetOutcome PulseSearch::check(const common::Pulse& pulse) {
+FleetOutcome PulseSearch::check(const vehicle::Pulse& pulse) {
   const FleetOutcome outcome = checked_.tryPulse(start_, pulse, trial_, -INFINITY, settings_.threads);
   ++evaluations_;
   predictions_ += outcome.tried;

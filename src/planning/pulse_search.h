@@ -18,27 +18,27 @@ inline double gridValue(double low, double high, int index, int count) {
 class PulseSearch {
  public:
   /// All references must outlive the search.
-  PulseSearch(const common::Vehicle& vehicle, const common::ForceTable& table, const rom::VehicleCurves& curves,
-              const PlannerSettings& settings, common::Mode start, const rom::Trial& trial,
+  PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
+              const PlannerSettings& settings, vehicle::Mode start, const vehicle::Trial& trial,
               const std::function<bool()>& cancelled);
 
   /// Coarse scan; keeps its best pulses.
   void scan();
   /// Best of the pulses kept, by all realisations known so far.
-  common::Pulse bestCandidate();
+  vehicle::Pulse bestCandidate();
   /// NLopt from a pulse.
-  common::Pulse refine(const common::Pulse& from);
+  vehicle::Pulse refine(const vehicle::Pulse& from);
   /// Effects of single parameters; adds the corners of those that matter most to both fleets.
-  void addCorners(const common::Pulse& pulse);
-  std::vector<ParameterInfluence> influences(const common::Pulse& pulse, double* vertex_margin);
+  void addCorners(const vehicle::Pulse& pulse);
+  std::vector<ParameterInfluence> influences(const vehicle::Pulse& pulse, double* vertex_margin);
   /// Full check with fresh realisations.
-  FleetOutcome check(const common::Pulse& pulse);
+  FleetOutcome check(const vehicle::Pulse& pulse);
   /// Takes the worst of a check into the search.
-  void learn(const common::Pulse& pulse, const FleetOutcome& checked);
+  void learn(const vehicle::Pulse& pulse, const FleetOutcome& checked);
 
   /// What is maximised: worst margin (of the share that must switch), capped where there is enough of it, less the
   /// price of the impulse.
-  double value(const common::Pulse& pulse, const FleetOutcome& outcome) const {
+  double value(const vehicle::Pulse& pulse, const FleetOutcome& outcome) const {
     const double margin = outcome.reached(settings_.required_share);
     if (!(margin > 0)) return margin;
     return std::min(margin, settings_.enough_margin) - settings_.impulse_price * pulse.throttle * pulse.duration;
@@ -50,11 +50,11 @@ class PulseSearch {
 
  private:
   const PlannerSettings& settings_;
-  common::Mode start_;
-  const rom::Trial& trial_;
+  vehicle::Mode start_;
+  const vehicle::Trial& trial_;
   const std::function<bool()>& cancelled_;
   Fleet fleet_, checked_;
-  std::vector<common::Pulse> candidates_;
+  std::vector<vehicle::Pulse> candidates_;
   int evaluations_ = 0;
   long predictions_ = 0;
 };

@@ -38,9 +38,9 @@ std::vector<std::string> linkTroubles(const SwitchSettings& settings, const Swit
 }
 
 /// The estimated mode, as far as fresh readings show it.
-common::Mode seenMode(const SwitchSettings& settings, const SwitchView& view) {
+vehicle::Mode seenMode(const SwitchSettings& settings, const SwitchView& view) {
   const bool seen = view.mode_age <= settings.fresh && view.reading_age <= settings.fresh;
-  return seen ? view.mode : common::Mode::UNKNOWN;
+  return seen ? view.mode : vehicle::Mode::UNKNOWN;
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ const std::vector<SwitchRow>& SwitchProtocol::table() {
 }
 
 std::vector<std::string> SwitchProtocol::missing(const SwitchSettings& settings, const SwitchView& view,
-                                                 common::Mode target) {
+                                                 vehicle::Mode target) {
   std::vector<std::string> list = linkTroubles(settings, view);
   // A fault and a silent controller are told above; this is about what is left.
   const bool told = !list.empty() && (view.bridge == Bridge::FAULT || !view.controller_connected);
@@ -89,7 +89,7 @@ std::vector<std::string> SwitchProtocol::missing(const SwitchSettings& settings,
   }
   if (!(view.mode_age <= settings.fresh)) {
     list.push_back("the mode estimate " + view.mode_trouble + ": is wing_state_node running?");
-  } else if (view.mode == common::Mode::UNKNOWN) {
+  } else if (view.mode == vehicle::Mode::UNKNOWN) {
     list.push_back("the mode is not known" + (view.mode_reason.empty() ? "" : ": " + view.mode_reason));
   } else if (!(view.reading_age <= settings.fresh)) {
     list.push_back("the mode estimate rests on no fresh IMU reading");
@@ -105,11 +105,11 @@ std::string SwitchProtocol::missingText(const std::vector<std::string>& missing)
   return text;
 }
 
-SwitchProtocol::SwitchProtocol(const SwitchSettings& settings, common::Mode target, double duration,
+SwitchProtocol::SwitchProtocol(const SwitchSettings& settings, vehicle::Mode target, double duration,
                                std::uint32_t first_id)
     : settings_(settings), target_(target), duration_(duration), id_(first_id) {
   settings_.validate();
-  common::otherMode(target_);  // throws for UNKNOWN
+  vehicle::otherMode(target_);  // throws for UNKNOWN
   require("duration", duration, 0.0, 60.0);
 }
 
@@ -139,14 +139,14 @@ SwitchEvent SwitchProtocol::sentEvent(const SwitchView& view) const {
 }
 
 SwitchEvent SwitchProtocol::settlingEvent(const SwitchView& view) {
-  const common::Mode mode = seenMode(settings_, view);
+  const vehicle::Mode mode = seenMode(settings_, view);
   const bool there = mode == target_;
   if (there && !there_) reached_ = view.now;
   there_ = there;
   if (there && view.now - reached_ >= settings_.settle_hold) return Event::STAYED;
   if (view.now - ended_ < settings_.settle_timeout) return Event::NOTHING;
   // A stay in the mode left behind counts only now: before, the vehicle may have been on its way.
-  return mode == common::otherMode(target_) ? Event::STAYED_AWAY : Event::NOTHING_SEEN;
+  return mode == vehicle::otherMode(target_) ? Event::STAYED_AWAY : Event::NOTHING_SEEN;
 }
 
 std::string SwitchProtocol::messageOf(SwitchEvent event, const SwitchView& view) const {

@@ -31,10 +31,10 @@ Resistance quotient(double value0, double slope0, double value1, double slope1, 
 //   <m> [w] / dt + [m]/[u] (w0^2 + w1^2) / 4 = - [E]/[u] - c <w> - pins + D_c + m_c g - [H]/[u] g
 //                                              + (m_c - [H]/[u]) P / (m_r + m_c)
 // The left side times [u] is exactly [m w^2 / 2]: without loads and losses the energy is kept to rounding.
-void LumpedModel::coupledStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
+void LumpedModel::coupledStep(const LumpedState& state, double mean_thrust, double dt, const vehicle::Trial& trial,
                               const TravelInertia& moved, LumpedState* next) const {
-  const common::VehicleParameters& parameters = parameters_;
-  const bool held = trial.mount == Mount::HELD;
+  const vehicle::VehicleParameters& parameters = parameters_;
+  const bool held = trial.mount == vehicle::Mount::HELD;
   const double centre = parameters.centre_mass, g = trial.gravity;
   const double all = held ? INFINITY : ringMass(trial) + centre;
   const double u0 = state.travel, w0 = state.travelRate();

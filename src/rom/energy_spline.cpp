@@ -28,7 +28,7 @@ double growthBeyond(double end_stiffness) { return std::max(end_stiffness, 1.0) 
 
 }  // namespace
 
-EnergySpline::EnergySpline(const common::ForceTable& table, double force_scale) {
+EnergySpline::EnergySpline(const vehicle::ForceTable& table, double force_scale) {
   table.validate();
   auto curve = std::make_shared<Curve>();
   curve->travel = table.travel;

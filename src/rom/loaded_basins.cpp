@@ -87,14 +87,14 @@ LoadedBasins::Branch LoadedBasins::branch(double felt) const {
   return b;
 }
 
-double LoadedBasins::limit(common::Mode mode, double felt) const {
+double LoadedBasins::limit(vehicle::Mode mode, double felt) const {
   const Branch b = branch(felt);
-  return mode == common::Mode::FIXED_WING ? b.peak_force : b.valley_force;
+  return mode == vehicle::Mode::FIXED_WING ? b.peak_force : b.valley_force;
 }
 
-bool LoadedBasins::equilibrium(common::Mode mode, const RelativeLoad& load, double* travel) const {
+bool LoadedBasins::equilibrium(vehicle::Mode mode, const RelativeLoad& load, double* travel) const {
   const Branch b = branch(load.felt);
-  if (mode == common::Mode::FIXED_WING) {
+  if (mode == vehicle::Mode::FIXED_WING) {
     if (load.force >= b.peak_force) return false;
     double low = std::min(equilibria_.first, b.peak_travel), reach = 1e-3;
     while (sample(low, load.felt).force > load.force) low -= (reach *= 2);
@@ -108,10 +108,10 @@ bool LoadedBasins::equilibrium(common::Mode mode, const RelativeLoad& load, doub
   return true;
 }
 
-common::Mode LoadedBarrier::sideOf(double u) const {
-  if (u <= peak) return common::Mode::FIXED_WING;
-  if (u >= valley) return common::Mode::QUADROTOR;
-  return u < travel ? common::Mode::FIXED_WING : common::Mode::QUADROTOR;
+vehicle::Mode LoadedBarrier::sideOf(double u) const {
+  if (u <= peak) return vehicle::Mode::FIXED_WING;
+  if (u >= valley) return vehicle::Mode::QUADROTOR;
+  return u < travel ? vehicle::Mode::FIXED_WING : vehicle::Mode::QUADROTOR;
 }
 
 LoadedBarrier LoadedBasins::barrierUnder(const RelativeLoad& load, double guess) const {
@@ -136,10 +136,10 @@ double LoadedBasins::loadedEnergy(double travel, const RelativeLoad& load) const
   return sample(travel, load.felt).energy - load.force * travel;
 }
 
-double LoadedBasins::clearance(common::Mode mode, double travel, double kinetic, const RelativeLoad& load) const {
+double LoadedBasins::clearance(vehicle::Mode mode, double travel, double kinetic, const RelativeLoad& load) const {
   const LoadedBarrier top = barrierUnder(load);
   if (!top.exists) {
-    const common::Mode left = top.travel == top.peak ? common::Mode::QUADROTOR : common::Mode::FIXED_WING;
+    const vehicle::Mode left = top.travel == top.peak ? vehicle::Mode::QUADROTOR : vehicle::Mode::FIXED_WING;
     return mode == left ? INFINITY : -INFINITY;
   }
   return loadedEnergy(top.travel, load) - loadedEnergy(travel, load) - kinetic;

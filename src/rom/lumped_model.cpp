@@ -24,7 +24,7 @@ void requireNotNegative(const char* name, double value) {
   require(value >= 0 && std::isfinite(value), name, value, "0 or more");
 }
 
-void validate(const common::VehicleParameters& p) {
+void validate(const vehicle::VehicleParameters& p) {
   requirePositive("ring_mass", p.ring_mass);
   requirePositive("centre_mass", p.centre_mass);
   requirePositive("max_thrust", p.max_thrust);
@@ -49,7 +49,7 @@ void LumpedSettings::validate() const {
   require(convergence > 0 && convergence <= 1e-3, "convergence", convergence, "above 0, up to 1e-3");
 }
 
-LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,
+LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const vehicle::VehicleParameters& parameters,
                          double idle_fraction, const LumpedSettings& settings,
                          std::shared_ptr<const TravelInertia> wing, std::shared_ptr<const TravelInertia> arms)
     : potential_(std::move(potential)),
@@ -64,46 +64,46 @@ LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const commo
   require(idle_fraction_ >= 0 && idle_fraction_ < 1, "idle_fraction", idle_fraction_, "0 .. below 1");
 }
 
-double LumpedModel::thrustFraction(const common::Radio& radio, double throttle) const {
-  return common::thrustFraction(parameters_.quadratic_share, common::motorOutput(radio, throttle));
+double LumpedModel::thrustFraction(const vehicle::Radio& radio, double throttle) const {
+  return vehicle::thrustFraction(parameters_.quadratic_share, vehicle::motorOutput(radio, throttle));
 }
 
-bool LumpedModel::wingsAct(const Trial& trial) const {
+bool LumpedModel::wingsAct(const vehicle::Trial& trial) const {
   if (trial.wings.value_or(false) && !winged_) {
     throw common::Error("trial: wings are on, but the vehicle has none; allowed: a vehicle file with the key 'wing'");
   }
-  return winged_ && trial.wings.value_or(trial.mount != Mount::BOOM);
+  return winged_ && trial.wings.value_or(trial.mount != vehicle::Mount::BOOM);
 }
 
-const TravelInertia* LumpedModel::inertiaOf(const Trial& trial) const {
+const TravelInertia* LumpedModel::inertiaOf(const vehicle::Trial& trial) const {
   return wingsAct(trial) ? winged_.get() : arms_.get();
 }
 
-double LumpedModel::relativeMass(const Trial& trial, double travel) const {
+double LumpedModel::relativeMass(const vehicle::Trial& trial, double travel) const {
   const double centre = parameters_.centre_mass;
-  const bool held = trial.mount == Mount::HELD;
+  const bool held = trial.mount == vehicle::Mount::HELD;
   const double ring = ringMass(trial);
   const TravelInertia* moved = inertiaOf(trial);
   if (!moved) return held ? centre : ring * centre / (ring + centre);
   return relativeInertia(moved->at(travel), centre, held ? INFINITY : ring + centre).mass;
 }
 
-double LumpedModel::relativeEnergy(const LumpedState& state, const Trial& trial) const {
+double LumpedModel::relativeEnergy(const LumpedState& state, const vehicle::Trial& trial) const {
   const double rate = state.travelRate();
   return 0.5 * relativeMass(trial, state.travel) * rate * rate + potential_->energy(state.travel);
 }
 
-double LumpedModel::commonSpeed(const LumpedState& state, const Trial& trial) const {
-  if (trial.mount == Mount::HELD) return state.ring_speed;
+double LumpedModel::commonSpeed(const LumpedState& state, const vehicle::Trial& trial) const {
+  if (trial.mount == vehicle::Mount::HELD) return state.ring_speed;
   const double ring = ringMass(trial), centre = parameters_.centre_mass;
   const TravelInertia* moved = inertiaOf(trial);
   const double coupled = moved ? moved->at(state.travel).coupled_mass * state.travelRate() : 0.0;
   return (ring * state.ring_speed + centre * state.centre_speed + coupled) / (ring + centre);
 }
 
-LumpedModel::RingResistance LumpedModel::ringResistance(double ring_speed, const Trial& trial) const {
-  const common::VehicleParameters& p = parameters_;
-  if (trial.mount != Mount::BOOM) {
+LumpedModel::RingResistance LumpedModel::ringResistance(double ring_speed, const vehicle::Trial& trial) const {
+  const vehicle::VehicleParameters& p = parameters_;
+  if (trial.mount != vehicle::Mount::BOOM) {
     const Resistance air = drag(p.ring_drag, ring_speed);
     return {air.force, air.slope};
   }
@@ -112,24 +112,24 @@ LumpedModel::RingResistance LumpedModel::ringResistance(double ring_speed, const
   return {air.force + rub.force, air.slope + rub.slope};
 }
 
-RelativeLoad LumpedModel::relativeLoad(const LumpedState& state, const Trial& trial) const {
+RelativeLoad LumpedModel::relativeLoad(const LumpedState& state, const vehicle::Trial& trial) const {
   const double centre = parameters_.centre_mass;
   const double centre_drag = drag(parameters_.centre_drag, state.centre_speed).force;
-  if (trial.mount == Mount::HELD) return {centre * trial.gravity + centre_drag, trial.gravity};
+  if (trial.mount == vehicle::Mount::HELD) return {centre * trial.gravity + centre_drag, trial.gravity};
   const double push = state.thrust + trial.push - ringResistance(state.ring_speed, trial).force;
   const double ring = ringMass(trial), all = ring + centre;
   // Gravity pulls all alike and drops out of the relative motion.
   return {(centre * push + ring * centre_drag) / all, (push - centre_drag) / all};
 }
 
-double LumpedModel::centreSpecificForce(const LumpedState& state, const Trial& trial) const {
+double LumpedModel::centreSpecificForce(const LumpedState& state, const vehicle::Trial& trial) const {
   const double centre = parameters_.centre_mass, w = state.travelRate();
   const double centre_drag = drag(parameters_.centre_drag, state.centre_speed).force;
   const double arms = potential_->at(state.travel).force + parameters_.damping * w;
   const TravelInertia* moved = inertiaOf(trial);
   if (!moved) return (arms - centre_drag) / centre;
   const InertiaSample s = moved->at(state.travel);
-  const bool held = trial.mount == Mount::HELD;
+  const bool held = trial.mount == vehicle::Mount::HELD;
   const double all = held ? INFINITY : ringMass(trial) + centre;
   const RelativeInertia inertia = relativeInertia(s, centre, all);
   const RelativeLoad load = relativeLoad(state, trial);
@@ -141,27 +141,27 @@ double LumpedModel::centreSpecificForce(const LumpedState& state, const Trial& t
   return ring - relative;
 }
 
-LumpedState LumpedModel::startState(common::Mode mode, const Trial& trial, bool* held) const {
-  if (mode == common::Mode::UNKNOWN) throw common::Error("lumped model: the start mode is unknown; allowed: F or Q");
+LumpedState LumpedModel::startState(vehicle::Mode mode, const vehicle::Trial& trial, bool* held) const {
+  if (mode == vehicle::Mode::UNKNOWN) throw common::Error("lumped model: the start mode is unknown; allowed: F or Q");
   const LoadedBasins basins(*potential_, inertiaOf(trial));
   LumpedState state;
   state.thrust = trial.initial_thrust_fraction.value_or(idle_fraction_) * parameters_.max_thrust;
-  if (trial.mount != Mount::HELD) state.ring_speed = state.centre_speed = trial.initial_speed;
+  if (trial.mount != vehicle::Mount::HELD) state.ring_speed = state.centre_speed = trial.initial_speed;
   const bool exists = basins.equilibrium(mode, relativeLoad(state, trial), &state.travel);
   if (!exists) {
     const Equilibria& equilibria = potential_->equilibria();
-    state.travel = mode == common::Mode::FIXED_WING ? equilibria.first : equilibria.second;
+    state.travel = mode == vehicle::Mode::FIXED_WING ? equilibria.first : equilibria.second;
   }
   if (held) *held = exists;
   return state;
 }
 
-SnapPrediction LumpedModel::predict(common::Mode start, const common::Pulse& pulse, const common::Radio& radio,
-                                    const Trial& trial, const LumpedObserver& observer) const {
+SnapPrediction LumpedModel::predict(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Radio& radio,
+                                    const vehicle::Trial& trial, const LumpedObserver& observer) const {
   return predict(start, thrustFraction(radio, pulse.throttle), pulse.duration, trial, observer);
 }
 
-SnapPrediction LumpedModel::predict(common::Mode start, double fraction, double duration, const Trial& trial,
+SnapPrediction LumpedModel::predict(vehicle::Mode start, double fraction, double duration, const vehicle::Trial& trial,
                                     const LumpedObserver& observer) const {
   trial.validate();
   require(fraction >= 0 && fraction <= 1, "thrust fraction", fraction, "0 .. 1");

@@ -5,8 +5,8 @@
 
 namespace snapwing::rom {
 
-LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt, const Trial& trial) const {
-  const common::VehicleParameters& p = parameters_;
+LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt, const vehicle::Trial& trial) const {
+  const vehicle::VehicleParameters& p = parameters_;
   LumpedState next = state;
   next.time = state.time + dt;
 
@@ -25,10 +25,10 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
   return next;
 }
 
-void LumpedModel::plainStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
+void LumpedModel::plainStep(const LumpedState& state, double mean_thrust, double dt, const vehicle::Trial& trial,
                             LumpedState* next) const {
-  const common::VehicleParameters& p = parameters_;
-  const bool held = trial.mount == Mount::HELD;
+  const vehicle::VehicleParameters& p = parameters_;
+  const bool held = trial.mount == vehicle::Mount::HELD;
   const double ring_mass = ringMass(trial);
   const double inertia_r = 2.0 * ring_mass / dt, inertia_c = 2.0 * p.centre_mass / dt;
   const double energy0 = potential_->energy(state.travel);

@@ -40,13 +40,14 @@ constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::Mode start, const LumpedState& first)
+MarginWatch::MarginWatch(const LumpedModel& model, const vehicle::Trial& trial, vehicle::Mode start,
+                         const LumpedState& first)
     : model_(model),
       trial_(trial),
       equilibria_(model.potential().equilibria()),
       basins_(model.potential(), model.inertiaOf(trial)),
       start_(start),
-      target_(common::otherMode(start)),
+      target_(vehicle::otherMode(start)),
       last_(first),
       last_load_(model.relativeLoad(first, trial)),
       last_barrier_(basins_.barrierUnder(last_load_)),
@@ -60,18 +61,18 @@ MarginWatch::MarginWatch(const LumpedModel& model, const Trial& trial, common::M
       earlier_distance_(-INFINITY),
       last_distance_(-INFINITY) {}
 
-double MarginWatch::barrierOf(common::Mode side) const {
-  return side == common::Mode::FIXED_WING ? equilibria_.barrier_first : equilibria_.barrier_second;
+double MarginWatch::barrierOf(vehicle::Mode side) const {
+  return side == vehicle::Mode::FIXED_WING ? equilibria_.barrier_first : equilibria_.barrier_second;
 }
 
 double MarginWatch::kinetic(double travel, double rate) const {
   return 0.5 * model_.relativeMass(trial_, travel) * rate * rate;
 }
 
-void MarginWatch::enter(common::Mode side, double travel, double relative_rate, const RelativeLoad& load) {
+void MarginWatch::enter(vehicle::Mode side, double travel, double relative_rate, const RelativeLoad& load) {
   // Without a barrier under this load, what the load has left over counts along the falling branch.
   side_ = side;
-  entry_ = (kinetic(travel, relative_rate) + basins_.barrierUnder(load).excess) / barrierOf(common::otherMode(side));
+  entry_ = (kinetic(travel, relative_rate) + basins_.barrierUnder(load).excess) / barrierOf(vehicle::otherMode(side));
   hold_ = INFINITY;
   earlier_distance_ = last_distance_ = -INFINITY;
 }
@@ -106,10 +107,10 @@ void MarginWatch::add(const LumpedState& next) {
     least_ = std::min(least_, turning);
   }
   const LoadedBarrier barrier = basins_.barrierUnder(load, last_barrier_.travel);
-  const common::Mode side = barrier.sideOf(next.travel);
+  const vehicle::Mode side = barrier.sideOf(next.travel);
   if (side != side_) {
     const double at = bisectShare([&](double s) {
-      return basins_.barrierUnder(load_at(s)).sideOf(cubic.travel(s)) == common::Mode::FIXED_WING ? -1.0 : 1.0;
+      return basins_.barrierUnder(load_at(s)).sideOf(cubic.travel(s)) == vehicle::Mode::FIXED_WING ? -1.0 : 1.0;
     });
     const double barrier_rate = (barrier.travel - last_barrier_.travel) / cubic.dt;
     enter(side, cubic.travel(at), cubic.rate(at) - barrier_rate, load_at(at));
@@ -126,7 +127,7 @@ void MarginWatch::add(const LumpedState& next) {
 bool MarginWatch::settled(double demand) const {
   const double full = model_.parameters().max_thrust;
   if (std::abs(last_.thrust - demand * full) > 1e-3 * full) return false;
-  const common::Mode side = side_;
+  const vehicle::Mode side = side_;
   double rest = 0;
   if (!basins_.equilibrium(side, last_load_, &rest)) return false;
   const double excess = kinetic(last_.travel, last_.travelRate()) + basins_.loadedEnergy(last_.travel, last_load_) -
@@ -139,9 +140,9 @@ bool MarginWatch::settled(double demand) const {
   // it holds in between.
   LumpedState terminal = last_;
   terminal.thrust = demand * full;
-  if (trial_.mount != Mount::HELD) {
-    const common::VehicleParameters& p = model_.parameters();
-    const bool boom = trial_.mount == Mount::BOOM;
+  if (trial_.mount != vehicle::Mount::HELD) {
+    const vehicle::VehicleParameters& p = model_.parameters();
+    const bool boom = trial_.mount == vehicle::Mount::BOOM;
     const double mass = p.ring_mass + p.centre_mass + (boom ? p.boom_mass : 0.0);
     const double drag = p.ring_drag + p.centre_drag + (boom ? p.boom_drag : 0.0);
     const double push = terminal.thrust - mass * trial_.gravity;
@@ -153,7 +154,7 @@ bool MarginWatch::settled(double demand) const {
 }
 
 void MarginWatch::finish(bool settled, SnapPrediction* out) const {
-  out->end_mode = settled ? side_ : common::Mode::UNKNOWN;
+  out->end_mode = settled ? side_ : vehicle::Mode::UNKNOWN;
   out->snapped = settled && side_ == target_;
   out->snap_time = crossing_time_;
   out->peak_travel = peak_;

@@ -9,7 +9,7 @@ namespace snapwing::rom {
 
 class MarginWatch {
  public:
-  MarginWatch(const LumpedModel& model, const Trial& trial, common::Mode start, const LumpedState& first);
+  MarginWatch(const LumpedModel& model, const vehicle::Trial& trial, vehicle::Mode start, const LumpedState& first);
 
   /// Takes the step from the last state seen to `next`.
   void add(const LumpedState& next);
@@ -21,23 +21,23 @@ class MarginWatch {
   void finish(bool settled, SnapPrediction* prediction) const;
 
  private:
-  double barrierOf(common::Mode side) const;
+  double barrierOf(vehicle::Mode side) const;
   /// Energy of the relative motion [J].
   double kinetic(double travel, double rate) const;
   /// @param relative_rate  [m/s] of the travel against the loaded barrier, which moves with the load
-  void enter(common::Mode side, double travel, double relative_rate, const RelativeLoad& load);
+  void enter(vehicle::Mode side, double travel, double relative_rate, const RelativeLoad& load);
   /// Takes the next distance from the loaded barrier; where the one before was the closest, its clearance counts.
   void approach(double distance);
 
   const LumpedModel& model_;
-  const Trial& trial_;
+  const vehicle::Trial& trial_;
   const Equilibria& equilibria_;
   LoadedBasins basins_;
-  common::Mode start_, target_;
+  vehicle::Mode start_, target_;
   LumpedState last_;
   RelativeLoad last_load_;
   LoadedBarrier last_barrier_;
-  common::Mode side_;  ///< of the loaded barrier
+  vehicle::Mode side_;  ///< of the loaded barrier
   double peak_, least_, peak_speed_;
   double crossing_time_;                     ///< [s] last crossing of the unloaded barrier; NaN = none
   double entry_;                             ///< [1] energy by which the present side was entered

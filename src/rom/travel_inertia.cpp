@@ -69,7 +69,7 @@ double value(const double (&c)[4], double t) { return c[0] + t * (c[1] + t * (c[
 double slope(const double (&c)[4], double t) { return c[1] + t * (2 * c[2] + t * 3 * c[3]); }
 double integral(const double (&c)[4], double t) { return t * (c[0] + t * (c[1] / 2 + t * (c[2] / 3 + t * c[3] / 4))); }
 
-void requireColumns(const common::WingTable& t) {
+void requireColumns(const vehicle::WingTable& t) {
   t.validate();
   if (t.kinetic_mass.empty() || t.coupled_mass.empty() || t.friction_force.empty()) {
     throw common::Error(
@@ -125,14 +125,14 @@ std::vector<double> times(std::vector<double> values, double factor) {
 
 }  // namespace
 
-TravelInertia::TravelInertia(const common::ForceTable& table) {
+TravelInertia::TravelInertia(const vehicle::ForceTable& table) {
   table.validate();
   const double arms = table.arm_count;
   parts_.push_back({std::make_shared<const Curve>(table.travel, times(table.kinetic_mass, arms),
                                                   times(table.coupled_mass, arms), std::vector<double>())});
 }
 
-TravelInertia::TravelInertia(const common::WingTable& table, double inertia_scale, double friction_scale) {
+TravelInertia::TravelInertia(const vehicle::WingTable& table, double inertia_scale, double friction_scale) {
   requireColumns(table);
   parts_.push_back(
       {std::make_shared<const Curve>(table.travel, table.kinetic_mass, table.coupled_mass, table.friction_force)});

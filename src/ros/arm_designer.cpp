@@ -67,7 +67,7 @@ ArmDesigner::ArmDesigner(ros::NodeHandle& relative, std::string frame) : frame_(
 
 void ArmDesigner::publish(const design::ArmDesignSettings& settings, const design::ArmOutcome& outcome) {
   if (outcome.table.travel.empty()) return;
-  common::Vehicle vehicle = settings.vehicle;
+  vehicle::Vehicle vehicle = settings.vehicle;
   vehicle.arm.density_file = outcome.bodyFile();
   ArmGeometry geometry = geometryMessage(vehicle, outcome.table);
   ForceDisplacementCurve curve = curveMessage(outcome.table);

@@ -16,13 +16,13 @@ namespace {
 
 template <class Message>
 constexpr bool sameModes() {
-  return Message::UNKNOWN == static_cast<int>(common::Mode::UNKNOWN) &&
-         Message::FIXED_WING == static_cast<int>(common::Mode::FIXED_WING) &&
-         Message::QUADROTOR == static_cast<int>(common::Mode::QUADROTOR);
+  return Message::UNKNOWN == static_cast<int>(vehicle::Mode::UNKNOWN) &&
+         Message::FIXED_WING == static_cast<int>(vehicle::Mode::FIXED_WING) &&
+         Message::QUADROTOR == static_cast<int>(vehicle::Mode::QUADROTOR);
 }
 static_assert(sameModes<ModeState>() && sameModes<SnapPrediction>() && sameModes<TransitionPlan>() &&
                   sameModes<VehicleTruth>() && sameModes<PredictSnapRequest>() && sameModes<SwitchModeGoal>(),
-              "messages and common::Mode must number the modes alike");
+              "messages and vehicle::Mode must number the modes alike");
 
 std::vector<double> times(double factor, std::vector<double> values) {
   for (double& value : values) value *= factor;
@@ -31,25 +31,25 @@ std::vector<double> times(double factor, std::vector<double> values) {
 
 }  // namespace
 
-ThrustPulse toMessage(const common::Pulse& pulse) {
+ThrustPulse toMessage(const vehicle::Pulse& pulse) {
   ThrustPulse message;
   message.throttle = pulse.throttle;
   message.duration = pulse.duration;
   return message;
 }
 
-common::Pulse fromMessage(const ThrustPulse& message) { return {message.throttle, message.duration}; }
+vehicle::Pulse fromMessage(const ThrustPulse& message) { return {message.throttle, message.duration}; }
 
-std::uint8_t toMessage(common::Mode mode) { return static_cast<std::uint8_t>(mode); }
+std::uint8_t toMessage(vehicle::Mode mode) { return static_cast<std::uint8_t>(mode); }
 
-common::Mode modeFromMessage(std::uint8_t mode) {
-  if (mode > toMessage(common::Mode::QUADROTOR)) {
+vehicle::Mode modeFromMessage(std::uint8_t mode) {
+  if (mode > toMessage(vehicle::Mode::QUADROTOR)) {
     throw common::Error("mode " + std::to_string(mode) + " is none of 0 (unknown), 1 (fixed wing), 2 (quadrotor)");
   }
-  return static_cast<common::Mode>(mode);
+  return static_cast<vehicle::Mode>(mode);
 }
 
-ForceDisplacementCurve curveMessage(const common::ForceTable& table) {
+ForceDisplacementCurve curveMessage(const vehicle::ForceTable& table) {
   ForceDisplacementCurve message;
   const auto entry = [&table](const char* key) {
     const auto found = table.provenance.find(key);
@@ -62,7 +62,7 @@ ForceDisplacementCurve curveMessage(const common::ForceTable& table) {
   message.energy = times(table.arm_count, table.energy);
   message.rotation = table.rotation;
   message.stable.assign(table.stable.begin(), table.stable.end());
-  const common::CurveFeatures features = common::curveFeatures(table);
+  const vehicle::CurveFeatures features = vehicle::curveFeatures(table);
   message.peak_travel = features.peak_travel;
   message.peak_force = features.peak_force;
   message.valley_travel = features.valley_travel;
@@ -76,7 +76,7 @@ ForceDisplacementCurve curveMessage(const common::ForceTable& table) {
   return message;
 }
 
-ArmGeometry geometryMessage(const common::Vehicle& vehicle, const common::ForceTable& table) {
+ArmGeometry geometryMessage(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table) {
   ArmGeometry message;
   message.vehicle = vehicle.name;
   message.arm_count = static_cast<std::uint8_t>(vehicle.arm.count);

@@ -144,7 +144,7 @@ std::string Params::choice(const std::string& key, const std::vector<std::string
   fail(key, list);
 }
 
-common::Vehicle Params::vehicle() { return common::loadVehicle(text("vehicle_file")); }
+vehicle::Vehicle Params::vehicle() { return vehicle::loadVehicle(text("vehicle_file")); }
 
 std::string framePrefix(Params& params, const std::string& name_space) {
   std::string prefix = params.textOr("frame_prefix", "auto");

@@ -39,10 +39,10 @@ TransitionPlan toMessage(const planning::TransitionPlan& plan) {
   return message;
 }
 
-rom::Trial readTrial(Params& params, const common::Vehicle& vehicle) {
-  rom::Trial trial;
-  trial.mount = rom::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
-  trial.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
+vehicle::Trial readTrial(Params& params, const vehicle::Vehicle& vehicle) {
+  vehicle::Trial trial;
+  trial.mount = vehicle::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
+  trial.wings = vehicle::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   trial.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   trial.horizon = params.number("horizon", {0.1, 20.0}, "s");
   trial.validate();

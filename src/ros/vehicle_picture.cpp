@@ -19,9 +19,9 @@ constexpr double FULL_ARROW = 0.16;     // [m] arrow of full thrust
 constexpr double GHOST_LIFE = 0.3;      // [s]
 constexpr double ROTOR_HEIGHT = 0.028;  // [m] propeller over the ring
 
-std_msgs::ColorRGBA modeColour(common::Mode mode) {
-  if (mode == common::Mode::FIXED_WING) return colour(0.25, 0.65, 1.0);
-  if (mode == common::Mode::QUADROTOR) return colour(1.0, 0.62, 0.15);
+std_msgs::ColorRGBA modeColour(vehicle::Mode mode) {
+  if (mode == vehicle::Mode::FIXED_WING) return colour(0.25, 0.65, 1.0);
+  if (mode == vehicle::Mode::QUADROTOR) return colour(1.0, 0.62, 0.15);
   return colour(0.8, 0.8, 0.8);
 }
 
@@ -36,7 +36,7 @@ void fade(MarkerArray& markers, double alpha) {
 
 }  // namespace
 
-VehiclePicture::VehiclePicture(const common::Vehicle& vehicle, const common::ForceTable& table,
+VehiclePicture::VehiclePicture(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                                const PictureSettings& settings)
     : vehicle_(vehicle), settings_(settings), rest_(table.shapes.rest) {
   for (std::size_t k = 0; k < table.shapes.moved.size(); ++k) {
@@ -45,7 +45,7 @@ VehiclePicture::VehiclePicture(const common::Vehicle& vehicle, const common::For
 }
 
 double VehiclePicture::housingHeight(double travel) const {
-  const common::ArmSettings& arm = vehicle_.arm;
+  const vehicle::ArmSettings& arm = vehicle_.arm;
   const double clamp = 0.5 * (arm.clamp_y_low + arm.clamp_y_high);
   return -vehicle_.geometry.axle_below_ring + clamp - arm.pin_y - travel;
 }
@@ -121,7 +121,7 @@ void VehiclePicture::drawMoving(MarkerArray& out, const PictureState& state) con
 }
 
 void VehiclePicture::drawGhost(MarkerArray& out, const PictureState& state) const {
-  const common::Geometry& g = vehicle_.geometry;
+  const vehicle::Geometry& g = vehicle_.geometry;
   PictureState other = state;
   other.travel = state.ghost_travel;
   MarkerArray ghost;
@@ -140,7 +140,7 @@ void VehiclePicture::drawGhost(MarkerArray& out, const PictureState& state) cons
 }
 
 void VehiclePicture::drawFrame(MarkerArray& out, const PictureState&) const {
-  const common::Geometry& g = vehicle_.geometry;
+  const vehicle::Geometry& g = vehicle_.geometry;
   Marker ring = makeMarker("ring", 0, Marker::TRIANGLE_LIST, colour(0.72, 0.76, 0.82));
   addWasher(ring, g.ring_radius - g.ring_width / 2, g.ring_radius + g.ring_width / 2, g.ring_thickness);
   out.markers.push_back(ring);
@@ -160,7 +160,7 @@ void VehiclePicture::drawFrame(MarkerArray& out, const PictureState&) const {
 }
 
 void VehiclePicture::drawRotors(MarkerArray& out, const PictureState& state) const {
-  const common::Geometry& g = vehicle_.geometry;
+  const vehicle::Geometry& g = vehicle_.geometry;
   for (int k = 0; k < vehicle_.rotors.count; ++k) {
     const double azimuth = 2 * PI * (k + 0.5) / vehicle_.rotors.count;
     const double x = g.ring_radius * std::cos(azimuth), y = g.ring_radius * std::sin(azimuth);
@@ -192,7 +192,7 @@ void VehiclePicture::drawArms(MarkerArray& out, const PictureState& state) const
   const std::vector<Loop> loops = outline(state.travel);
   const std::vector<std::vector<double>> strain = outlineStrain(loops);
   const auto& triangles = shapes_[nearest(state.travel)].triangles;
-  const common::ArmSettings& arm = vehicle_.arm;
+  const vehicle::ArmSettings& arm = vehicle_.arm;
   for (int k = 0; k < arm.count; ++k) {
     const double azimuth = 2 * PI * k / arm.count;
     Marker marker = makeMarker("arms", k, Marker::TRIANGLE_LIST, colour(1, 1, 1));

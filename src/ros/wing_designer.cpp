@@ -67,7 +67,7 @@ WingGeometry wingMessage(const design::WingLayout& layout, const std::string& ta
   return message;
 }
 
-WingDesigner::WingDesigner(ros::NodeHandle& relative, const common::Vehicle& vehicle, std::string frame)
+WingDesigner::WingDesigner(ros::NodeHandle& relative, const vehicle::Vehicle& vehicle, std::string frame)
     : frame_(std::move(frame)) {
   designed_ = relative.advertise<WingGeometry>(topics::DESIGNED_WING_GEOMETRY, 1, true);
   if (vehicle.wing.layout_file.empty()) return;

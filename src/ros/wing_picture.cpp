@@ -19,15 +19,15 @@ constexpr double PIN_SIZE = 0.010;        // [m]
 /// Points of one wing: linkage coordinates to the ring's frame. side  +1 left, -1 right.
 class WingPoints {
  public:
-  WingPoints(const common::WingTable& table, double travel, int side) : t_(table), u_(travel), side_(side) {}
+  WingPoints(const vehicle::WingTable& table, double travel, int side) : t_(table), u_(travel), side_(side) {}
   Point place(double x, double y, double z) const { return point(z, side_ * (t_.axle[0] + x), t_.axle[1] + y); }
   Point at(const std::vector<double>& x, const std::vector<double>& y) const {
     return place(t_.at(x, u_), t_.at(y, u_), 0);
   }
-  Point fold(const common::Fold& f) const { return place(t_.at(f.x, u_), t_.at(f.y, u_), t_.at(f.z, u_)); }
+  Point fold(const vehicle::Fold& f) const { return place(t_.at(f.x, u_), t_.at(f.y, u_), t_.at(f.z, u_)); }
 
  private:
-  const common::WingTable& t_;
+  const vehicle::WingTable& t_;
   double u_;
   int side_;
 };
@@ -39,7 +39,7 @@ void addLine(Marker* lines, const Point& a, const Point& b) {
 
 }  // namespace
 
-void drawDesignedWings(const common::WingTable& t, double travel, visualization_msgs::MarkerArray* out) {
+void drawDesignedWings(const vehicle::WingTable& t, double travel, visualization_msgs::MarkerArray* out) {
   for (const int side : {1, -1}) {
     const int id = side > 0 ? 0 : 2;
     const WingPoints wing(t, travel, side);

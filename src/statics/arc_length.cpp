@@ -16,16 +16,16 @@ constexpr double FARTHEST_CORRECTION = 0.3, SHARPEST_TURN = 0.8, SHORT_ENOUGH = 
 
 class ArcFollower {
  public:
-  ArcFollower(EquilibriumSolver& solver, const ArcSettings& settings) : solver_(solver), settings_(settings) {}
+  ArcFollower(solver::EquilibriumSolver& solver, const ArcSettings& settings) : solver_(solver), settings_(settings) {}
 
   /// @param fresh  the start is a first guess at a point that is to be recorded
-  ArcResult run(const Equilibrium& start, bool fresh) {
-    begin_ = secondsNow();
+  ArcResult run(const solver::Equilibrium& start, bool fresh) {
+    begin_ = solver::secondsNow();
     factorizations_before_ = solver_.cholesky().factorizations();
     x_ = start;
     const double direction = settings_.end >= x_.p(0) ? 1 : -1;
     if (fresh) {
-      const NewtonResult result = solver_.correct(x_);
+      const solver::NewtonResult result = solver_.correct(x_);
       count(result);
       if (!result.converged()) return finish(result.status, "the start is no equilibrium: " + result.message);
     }
@@ -43,8 +43,8 @@ class ArcFollower {
     const double shortest = settings_.smallest_step > 0 ? settings_.smallest_step : 1e-6 * settings_.first_step;
     double ds = settings_.first_step;
     while (static_cast<int>(result_.path.points.size()) < settings_.max_points) {
-      const NewtonResult moved = step(ds, direction);
-      if (moved.status == SolveStatus::CANCELLED) return finish(SolveStatus::CANCELLED, "cancelled");
+      const solver::NewtonResult moved = step(ds, direction);
+      if (moved.status == solver::SolveStatus::CANCELLED) return finish(solver::SolveStatus::CANCELLED, "cancelled");
       if (!moved.converged()) {
         ++result_.path.halvings;
         ds *= 0.5;
@@ -53,18 +53,18 @@ class ArcFollower {
       }
       record(moved.iterations);
       if (settings_.progress && settings_.progress(static_cast<int>(result_.path.points.size()), x_.p(0))) {
-        return finish(SolveStatus::CANCELLED, "cancelled");
+        return finish(solver::SolveStatus::CANCELLED, "cancelled");
       }
-      if ((x_.p(0) - settings_.end) * direction >= 0) return finish(SolveStatus::CONVERGED, "");
+      if ((x_.p(0) - settings_.end) * direction >= 0) return finish(solver::SolveStatus::CONVERGED, "");
       if (x_.p(0) * direction < settings_.turn_back) {
-        return finish(SolveStatus::CONVERGED, "the branch turned back");
+        return finish(solver::SolveStatus::CONVERGED, "the branch turned back");
       }
       ds = std::min(longest, ds * std::min(2.0, std::max(0.5, std::sqrt(4.0 / std::max(moved.iterations, 1)))));
     }
-    return finish(SolveStatus::ITERATION_LIMIT, "ran out of points");
+    return finish(solver::SolveStatus::ITERATION_LIMIT, "ran out of points");
   }
 
-  void count(const NewtonResult& result) {
+  void count(const solver::NewtonResult& result) {
     result_.path.iterations += result.iterations;
     result_.path.factorizations += result.factorizations;
   }
@@ -77,18 +77,18 @@ class ArcFollower {
   }
 
   /// The place is as before if the corrector fails.
-  NewtonResult step(double ds, double direction) {
-    BranchPlane plane;
+  solver::NewtonResult step(double ds, double direction) {
+    solver::BranchPlane plane;
     plane.origin = x_.z;
     plane.normal = w_ * t_z_;
     plane.control = x_.p(0);
     plane.control_normal = t_p_;
     plane.distance = ds;
-    Equilibrium next = solver_.predict(x_, x_.p(0) + ds * t_p_);
+    solver::Equilibrium next = solver_.predict(x_, x_.p(0) + ds * t_p_);
     next.z = x_.z + ds * t_z_;
     const Eigen::VectorXd guess = next.z;
     const double guess_p = next.p(0);
-    NewtonResult result = solver_.correctOn(plane, next);
+    solver::NewtonResult result = solver_.correctOn(plane, next);
     count(result);
     if (!result.converged()) return result;
     // A long way from the tangent is a step too long, or another branch.
@@ -98,7 +98,7 @@ class ArcFollower {
     double along = w_ * t_z_.dot(next.slope) + t_p_;
     const double turn = std::abs(along) / std::sqrt(w_ * next.slope.squaredNorm() + 1);
     if ((far || turn < SHARPEST_TURN) && ds > SHORT_ENOUGH * settings_.first_step) {
-      result.status = SolveStatus::JUMPED;
+      result.status = solver::SolveStatus::JUMPED;
       result.message = "the branch turns too sharply for the step";
       return result;
     }
@@ -108,23 +108,23 @@ class ArcFollower {
   }
 
   /// Replaces a point beyond the end by the one at the end, unless the branch cannot be met there.
-  void land(Equilibrium& next) {
-    Equilibrium at_end = solver_.predict(next, settings_.end);
-    const NewtonResult result = solver_.correct(at_end);
+  void land(solver::Equilibrium& next) {
+    solver::Equilibrium at_end = solver_.predict(next, settings_.end);
+    const solver::NewtonResult result = solver_.correct(at_end);
     count(result);
     if (result.converged() && at_end.negative_pivots == next.negative_pivots) next = std::move(at_end);
   }
 
   /// @param along  in and out: whether the control grows along the way onward
-  void passSingular(Equilibrium& next, double& along) {
+  void passSingular(solver::Equilibrium& next, double& along) {
     const bool changed = next.negative_pivots != x_.negative_pivots;
     if (changed && settings_.locate_singular) {
       SingularPoint found;
       std::string why;
       if (locateSingular(solver_, x_, next, found, why)) {
-        Equilibrium other;
+        solver::Equilibrium other;
         if (found.kind == SingularKind::BIFURCATION && settings_.perturbation != 0 && found.before == 0) {
-          const NewtonResult result = switchBranch(solver_, found, settings_.perturbation, other);
+          const solver::NewtonResult result = switchBranch(solver_, found, settings_.perturbation, other);
           count(result);
           found.followed = result.converged();
         }
@@ -154,7 +154,7 @@ class ArcFollower {
     points.push_back(std::move(point));
   }
 
-  ArcResult finish(SolveStatus status, const std::string& message) {
+  ArcResult finish(solver::SolveStatus status, const std::string& message) {
     result_.path.status = status;
     if (!message.empty()) {
       std::ostringstream text;
@@ -162,7 +162,7 @@ class ArcFollower {
       result_.path.message = text.str();
     }
     result_.path.factorizations = solver_.cholesky().factorizations() - factorizations_before_;
-    result_.path.seconds = secondsNow() - begin_;
+    result_.path.seconds = solver::secondsNow() - begin_;
     result_.path.seconds_assembly = solver_.secondsAssembly();
     result_.path.seconds_factor = solver_.cholesky().secondsFactor();
     result_.path.seconds_solve = solver_.cholesky().secondsSolve();
@@ -171,9 +171,9 @@ class ArcFollower {
     return std::move(result_);
   }
 
-  EquilibriumSolver& solver_;
+  solver::EquilibriumSolver& solver_;
   const ArcSettings& settings_;
-  Equilibrium x_;
+  solver::Equilibrium x_;
   Eigen::VectorXd t_z_;
   double begin_ = 0, w_ = 1, t_p_ = 1, last_t_p_ = 1;
   int last_negative_ = 0, last_factorizations_ = 0, factorizations_before_ = 0;
@@ -189,14 +189,16 @@ void validate(const ArcSettings& settings) {
 
 }  // namespace
 
-ArcResult followArc(const Problem& problem, const Eigen::VectorXd& start, double p0, const ArcSettings& settings) {
+ArcResult followArc(const solver::Problem& problem, const Eigen::VectorXd& start, double p0,
+                    const ArcSettings& settings) {
   if (problem.controlCount() != 1) throw common::Error("an arc needs a problem with exactly one control");
   validate(settings);
-  EquilibriumSolver solver(problem, settings.newton);
+  solver::EquilibriumSolver solver(problem, settings.newton);
   return ArcFollower(solver, settings).run(solver.start(start, p0), true);
 }
 
-ArcResult followArcFrom(EquilibriumSolver& solver, const Equilibrium& start, const ArcSettings& settings) {
+ArcResult followArcFrom(solver::EquilibriumSolver& solver, const solver::Equilibrium& start,
+                        const ArcSettings& settings) {
   validate(settings);
   return ArcFollower(solver, settings).run(start, false);
 }

@@ -9,7 +9,7 @@ namespace snapwing::statics {
 
 namespace {
 
-void append(common::ForceTable& table, const ArmProblem& arm, const PathPoint& point) {
+void append(vehicle::ForceTable& table, const ArmProblem& arm, const PathPoint& point) {
   table.travel.push_back(point.control);
   table.force.push_back(point.force);
   table.stiffness.push_back(point.stiffness);
@@ -18,7 +18,7 @@ void append(common::ForceTable& table, const ArmProblem& arm, const PathPoint& p
   table.min_det_f.push_back(point.min_det_f);
   table.stable.push_back(point.stable ? 1 : 0);
   table.iterations.push_back(point.iterations);
-  const MovingMass inertia = arm.movingMass(point.slope);
+  const mpm::MovingMass inertia = arm.movingMass(point.slope);
   table.mass = inertia.mass;
   table.kinetic_mass.push_back(inertia.kinetic);
   table.coupled_mass.push_back(inertia.coupled);
@@ -35,7 +35,7 @@ void addCosts(ArmCurve& curve, const PathResult& path) {
   curve.seconds_factor += path.seconds_factor;
   curve.seconds_solve += path.seconds_solve;
   curve.seconds_analysis += path.seconds_analysis;
-  if (curve.status == SolveStatus::NOT_SOLVED || path.status != SolveStatus::CONVERGED) {
+  if (curve.status == solver::SolveStatus::NOT_SOLVED || path.status != solver::SolveStatus::CONVERGED) {
     curve.status = path.status;
     curve.message = path.message;
   }
@@ -80,18 +80,18 @@ ArmCurve traceArm(const ArmProblem& arm, const ArmCurveSettings& settings) {
 
   const PathResult up = follow(Eigen::VectorXd::Zero(arm.problem().freeCount()), forward);
   if (up.points.empty()) return curve;
-  if (below.size() > 1 && curve.status == SolveStatus::CONVERGED) {
+  if (below.size() > 1 && curve.status == solver::SolveStatus::CONVERGED) {
     const PathResult down = follow(up.points.front().solution, below);
     for (std::size_t k = down.points.size(); k-- > 1;) append(curve.table, arm, down.points[k]);
   }
-  if (settings.locate && curve.status == SolveStatus::CONVERGED) {
+  if (settings.locate && curve.status == solver::SolveStatus::CONVERGED) {
     curve.located = locateFeaturesOf(arm.problem(), settings.path.newton, up.points);
   }
   const std::size_t first = curve.table.travel.size();
   for (const PathPoint& point : up.points) append(curve.table, arm, point);
-  if (settings.back && curve.status == SolveStatus::CONVERGED) {
+  if (settings.back && curve.status == solver::SolveStatus::CONVERGED) {
     const PathResult back = follow(up.points.back().solution, std::vector<double>(forward.rbegin(), forward.rend()));
-    if (back.status != SolveStatus::CONVERGED) return curve;
+    if (back.status != solver::SolveStatus::CONVERGED) return curve;
     // Below zero there is no way back of its own: the curve is reversible there by construction.
     curve.table.force_back = curve.table.force;
     const std::size_t count = back.points.size();

@@ -12,7 +12,7 @@ namespace {
 using mpm::Vector;
 
 /// All cells that the design has, full, with the thickness of their region.
-std::shared_ptr<mpm::Discretisation<2>> makeSolid(const common::ArmSettings& arm, const elasticity::Material& material,
+std::shared_ptr<mpm::Discretisation<2>> makeSolid(const vehicle::ArmSettings& arm, const elasticity::Material& material,
                                                   const mpm::DensityField& field, const ArmProblemSettings& settings) {
   auto solid = std::make_shared<mpm::Discretisation<2>>();
   mpm::Grid<2> grid;
@@ -35,8 +35,8 @@ std::shared_ptr<mpm::Discretisation<2>> makeSolid(const common::ArmSettings& arm
   return solid;
 }
 
-std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::Discretisation<2>& solid) {
-  std::vector<Equation> equations;
+std::vector<solver::Equation> makeEquations(const vehicle::ArmSettings& arm, const mpm::Discretisation<2>& solid) {
+  std::vector<solver::Equation> equations;
   const double slack = 1e-6 * solid.grid(0).cell_size;
   for (int node = 0; node < solid.nodeCount(); ++node) {
     const Vector<2> x = solid.position(node);
@@ -49,7 +49,7 @@ std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::D
   const auto pin = solid.interpolate(0, Vector<2>(arm.pin_x, arm.pin_y));
   if (pin.empty()) throw common::Error("arm: the pin lies outside of the design (pin_x, pin_y)");
   for (int axis = 0; axis < 2; ++axis) {
-    Equation equation;
+    solver::Equation equation;
     for (const auto& [node, weight] : pin) equation.terms.emplace_back(2 * node + axis, weight);
     equation.name = "axle";
     equations.push_back(equation);
@@ -59,19 +59,19 @@ std::vector<Equation> makeEquations(const common::ArmSettings& arm, const mpm::D
 
 }  // namespace
 
-ArmProblem::ArmProblem(const common::ArmSettings& arm, const elasticity::Material& material,
+ArmProblem::ArmProblem(const vehicle::ArmSettings& arm, const elasticity::Material& material,
                        const mpm::DensityField& design, const ArmProblemSettings& settings)
     : arm_(arm), mass_density_(material.mass_density) {
   const bool same =
       settings.cell_size <= 0 || std::abs(settings.cell_size - design.cell_size) < 1e-9 * design.cell_size;
   field_ = same ? design : design.resampled(settings.cell_size);
   solid_ = makeSolid(arm, material, field_, settings);
-  Reduction reduction(solid_->dofCount(), 1, makeEquations(arm, *solid_));
+  solver::Reduction reduction(solid_->dofCount(), 1, makeEquations(arm, *solid_));
   // Rounding of the deformation gradient times the modulus: no residual can be told from zero below that.
   const double modulus = material.lambda() + 2 * material.mu();
   const double floor = 1e-13 * modulus * field_.cell_size * arm.leg_thickness;
-  problem_ =
-      std::make_unique<SolidProblem<2>>(solid_, std::move(reduction), Eigen::MatrixXd(), settings.threads, floor);
+  problem_ = std::make_unique<solver::SolidProblem<2>>(solid_, std::move(reduction), Eigen::MatrixXd(),
+                                                       settings.threads, floor);
 }
 
 void ArmProblem::setDensities(const std::vector<double>& densities) {
@@ -86,9 +86,9 @@ Eigen::VectorXd ArmProblem::displacements(const Eigen::VectorXd& z, double trave
   return problem_->reduction().expand(z, Eigen::VectorXd::Constant(1, travel));
 }
 
-MovingMass ArmProblem::movingMass(const Eigen::VectorXd& slope) const {
+mpm::MovingMass ArmProblem::movingMass(const Eigen::VectorXd& slope) const {
   const Eigen::VectorXd rate = problem_->reduction().expandDirection(slope, Eigen::VectorXd::Ones(1));
-  return statics::movingMass<2>(problem_->solid(), {mass_density_}, rate, Vector<2>(0, 1));
+  return mpm::movingMass<2>(problem_->solid(), {mass_density_}, rate, Vector<2>(0, 1));
 }
 
 double ArmProblem::rotation(const Eigen::VectorXd& z, double travel) const {

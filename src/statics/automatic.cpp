@@ -38,8 +38,9 @@ void append(PathResult& whole, PathResult&& part) {
 
 class AutomaticFollower {
  public:
-  AutomaticFollower(const Problem& problem, const AutomaticSettings& settings, const std::vector<double>& targets)
-      : settings_(settings), targets_(targets), follower_(problem, strict(settings)), begin_(secondsNow()) {
+  AutomaticFollower(const solver::Problem& problem, const AutomaticSettings& settings,
+                    const std::vector<double>& targets)
+      : settings_(settings), targets_(targets), follower_(problem, strict(settings)), begin_(solver::secondsNow()) {
     if (targets.size() < 2) throw common::Error("an automatic path needs at least two targets");
   }
 
@@ -52,10 +53,10 @@ class AutomaticFollower {
 
   PathResult fromPoint(const Eigen::VectorXd& start, const PathPoint& from) {
     resumed_ = true;
-    EquilibriumSolver& solver = follower_.solver();
-    Equilibrium x = solver.start(from.solution, from.control);
+    solver::EquilibriumSolver& solver = follower_.solver();
+    solver::Equilibrium x = solver.start(from.solution, from.control);
     x.multipliers = from.multipliers;
-    const NewtonResult result = solver.correct(x);
+    const solver::NewtonResult result = solver.correct(x);
     if (!result.converged()) {
       whole_.status = result.status;
       whole_.message = "the point to go on from is no equilibrium: " + result.message;
@@ -74,12 +75,14 @@ class AutomaticFollower {
     return path;
   }
 
-  bool failed() const { return whole_.status != SolveStatus::CONVERGED && whole_.status != SolveStatus::CANCELLED; }
+  bool failed() const {
+    return whole_.status != solver::SolveStatus::CONVERGED && whole_.status != solver::SolveStatus::CANCELLED;
+  }
 
   PathResult goOn() {
     // Not before a first point: what is not supported has no branch.
     while (failed() && settings_.arc_on_failure && (resumed_ || !whole_.points.empty())) {
-      const Equilibrium from = follower_.place();
+      const solver::Equilibrium from = follower_.place();
       const std::vector<double> rest = beyond(from.p(0), targets_);
       if (rest.empty()) break;
       whole_.account.push_back("displacement control " + whole_.message);
@@ -91,7 +94,7 @@ class AutomaticFollower {
     return finish();
   }
 
-  bool arcTo(const std::vector<double>& rest, const Equilibrium& from) {
+  bool arcTo(const std::vector<double>& rest, const solver::Equilibrium& from) {
     ArcSettings arc;
     arc.newton = settings_.path.newton;
     const double range = std::abs(targets_.back() - targets_.front());
@@ -113,7 +116,7 @@ class AutomaticFollower {
     ArcResult result = followArcFrom(follower_.solver(), from, arc);
     std::ostringstream text;
     text << "arc length from " << from.p(0);
-    const bool there = result.path.status == SolveStatus::CONVERGED && result.path.message.empty();
+    const bool there = result.path.status == solver::SolveStatus::CONVERGED && result.path.message.empty();
     if (there) {
       text << " came to " << result.last.p(0) << " in " << result.path.points.size() << " points";
       text << (result.limit_points.empty() ? ", no limit point of the control" : ", limit points near");
@@ -124,7 +127,7 @@ class AutomaticFollower {
     result.path.account.push_back(text.str());
     if (!there) {
       // A branch that turned back for good is no way on: what stopped displacement control is then the reason.
-      if (result.path.status == SolveStatus::CONVERGED) result.path.status = whole_.status;
+      if (result.path.status == solver::SolveStatus::CONVERGED) result.path.status = whole_.status;
       result.path.message = whole_.message + "; " + text.str();
     }
     last_ = result.last;
@@ -133,9 +136,9 @@ class AutomaticFollower {
   }
 
   PathResult finish() {
-    const EquilibriumSolver& solver = follower_.solver();
+    const solver::EquilibriumSolver& solver = follower_.solver();
     whole_.factorizations = solver.cholesky().factorizations();
-    whole_.seconds = secondsNow() - begin_;
+    whole_.seconds = solver::secondsNow() - begin_;
     whole_.seconds_assembly = solver.secondsAssembly();
     whole_.seconds_factor = solver.cholesky().secondsFactor();
     whole_.seconds_solve = solver.cholesky().secondsSolve();
@@ -149,18 +152,18 @@ class AutomaticFollower {
   double begin_, first_p_ = 0;
   bool resumed_ = false;
   Eigen::VectorXd first_z_;
-  Equilibrium last_;
+  solver::Equilibrium last_;
   PathResult whole_;
 };
 
 }  // namespace
 
-PathResult followAutomatically(const Problem& problem, const Eigen::VectorXd& start, const std::vector<double>& targets,
-                               const AutomaticSettings& settings) {
+PathResult followAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start,
+                               const std::vector<double>& targets, const AutomaticSettings& settings) {
   return AutomaticFollower(problem, settings, targets).fromStart(start);
 }
 
-PathResult continueAutomatically(const Problem& problem, const Eigen::VectorXd& start, const PathPoint& from,
+PathResult continueAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start, const PathPoint& from,
                                  const std::vector<double>& targets, const AutomaticSettings& settings) {
   return AutomaticFollower(problem, settings, targets).fromPoint(start, from);
 }

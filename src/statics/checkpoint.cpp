@@ -93,14 +93,14 @@ class Reader {
 
 }  // namespace
 
-std::string traceHash(const Scene& scene, const std::string& more) {
+std::string traceHash(const scene::Scene& scene, const std::string& more) {
   std::ostringstream text;
   text.precision(17);
   text << common::version() << ";" << scene.sha256 << ";" << scene.dimension << ";" << static_cast<int>(scene.plane)
        << ";" << static_cast<int>(scene.kernel) << ";" << scene.cell_size << ";" << scene.particles << ";" << scene.to
-       << ";" << scene.steps << ";" << scene.back << ";" << driveName(scene.drive) << ";" << scene.perturbation << ";"
-       << more;
-  for (const SceneBody& body : scene.bodies) {
+       << ";" << scene.steps << ";" << scene.back << ";" << solver::driveName(scene.drive) << ";" << scene.perturbation
+       << ";" << more;
+  for (const scene::SceneBody& body : scene.bodies) {
     for (const double value : body.density.value) text << ";" << value;
   }
   return common::sha256(text.str());

@@ -13,7 +13,7 @@ std::string featureName(FeatureKind kind) {
 
 namespace {
 
-bool restore(EquilibriumSolver& solver, const PathPoint& point, Equilibrium& x) {
+bool restore(solver::EquilibriumSolver& solver, const PathPoint& point, solver::Equilibrium& x) {
   x = solver.start(point.solution, point.control);
   if (point.multipliers.size() > 0) x.multipliers = point.multipliers;
   return solver.correct(x).converged();
@@ -22,7 +22,7 @@ bool restore(EquilibriumSolver& solver, const PathPoint& point, Equilibrium& x) 
 /// Searches the branch between two neighbouring points.
 class Interval {
  public:
-  Interval(EquilibriumSolver& solver, const Equilibrium& a, const Equilibrium& b)
+  Interval(solver::EquilibriumSolver& solver, const solver::Equilibrium& a, const solver::Equilibrium& b)
       : solver_(solver), a_(a), b_(b), chord_(a, b) {}
 
   /// @param zero  of the force, else of its slope
@@ -45,7 +45,7 @@ class Interval {
   }
 
  private:
-  double value(const Equilibrium& x) const {
+  double value(const solver::Equilibrium& x) const {
     if (zero_) return x.force();
     // Along the branch, so that a control that turns makes no extreme; signs as for a growing control.
     return chord_.forceRate(x) * (b_.p(0) >= a_.p(0) ? 1 : -1);
@@ -60,18 +60,18 @@ class Interval {
     return lost_ ? 0.0 : value(x_);  // zero ends the search
   }
 
-  EquilibriumSolver& solver_;
-  const Equilibrium &a_, &b_;
+  solver::EquilibriumSolver& solver_;
+  const solver::Equilibrium &a_, &b_;
   Chord chord_;
   bool zero_ = true;
-  Equilibrium x_;
+  solver::Equilibrium x_;
   bool lost_ = false;
 };
 
 /// The stable branch between neighbouring points k and k + 1 as a function of the control.
 class StableInterval {
  public:
-  StableInterval(EquilibriumSolver& solver, const std::vector<PathPoint>& points, std::size_t k)
+  StableInterval(solver::EquilibriumSolver& solver, const std::vector<PathPoint>& points, std::size_t k)
       : solver_(solver), points_(points), k_(k), a_(points[k]), b_(points[k + 1]), h_(b_.control - a_.control) {}
 
   /// @return false: ask elsewhere
@@ -79,7 +79,7 @@ class StableInterval {
     const auto plain = [](const PathPoint& p) { return p.negative_pivots == 0 && !p.by_arc; };
     if (solver_.tieCount() > 0 || !plain(a_) || !plain(b_) || h_ == 0) return false;
     double p = a_.control + root(zero) * h_, before = NAN, value_before = 0;
-    Equilibrium x = solver_.start(guess(p), p);
+    solver::Equilibrium x = solver_.start(guess(p), p);
     for (int k = 0; k < LARGEST_COUNT; ++k) {
       if (!solver_.minimise(x).converged()) return false;
       solver_.settleNear(x);
@@ -153,9 +153,9 @@ class StableInterval {
   }
 
   /// True if the energy differs from that of `a` by more than the work along the branch can.
-  bool left(const Equilibrium& x) {
+  bool left(const solver::Equilibrium& x) {
     if (!begun_)
-      solver_.problem().evaluate(a_.solution, Eigen::VectorXd::Constant(1, a_.control), Order::ENERGY, at_a_);
+      solver_.problem().evaluate(a_.solution, Eigen::VectorXd::Constant(1, a_.control), solver::Order::ENERGY, at_a_);
     begun_ = true;
     const double dp = x.p(0) - a_.control;
     const double work = 0.5 * dp * (a_.force + x.force()) + dp * dp / 12 * (a_.stiffness - x.stiffness);
@@ -164,19 +164,19 @@ class StableInterval {
     return std::abs(x.at.energy - at_a_.energy - work) > 0.05 * std::abs(h_) * size + rounding;
   }
 
-  EquilibriumSolver& solver_;
+  solver::EquilibriumSolver& solver_;
   const std::vector<PathPoint>& points_;
   std::size_t k_;
   const PathPoint &a_, &b_;
   double h_;
-  Evaluation at_a_;
+  solver::Evaluation at_a_;
   bool begun_ = false;
 };
 
 /// All features between neighbouring points.
 class Search {
  public:
-  Search(EquilibriumSolver& solver, const std::vector<PathPoint>& points) : solver_(solver), points_(points) {
+  Search(solver::EquilibriumSolver& solver, const std::vector<PathPoint>& points) : solver_(solver), points_(points) {
     double farthest = 0;
     for (const PathPoint& p : points) {
       largest_ = std::max(largest_, std::abs(p.force));
@@ -222,12 +222,12 @@ class Search {
   }
 
   bool onChord(std::size_t k, bool zero, Feature& feature) {
-    Equilibrium from, to;
+    solver::Equilibrium from, to;
     if (!restore(solver_, points_[k], from) || !restore(solver_, points_[k + 1], to)) return false;
     return Interval(solver_, from, to).search(zero, feature);
   }
 
-  EquilibriumSolver& solver_;
+  solver::EquilibriumSolver& solver_;
   const std::vector<PathPoint>& points_;
   std::vector<Feature> found_;
   double largest_ = 0;
@@ -237,30 +237,31 @@ class Search {
 
 }  // namespace
 
-std::vector<Feature> locateFeatures(EquilibriumSolver& solver, const std::vector<PathPoint>& points, int* lost) {
+std::vector<Feature> locateFeatures(solver::EquilibriumSolver& solver, const std::vector<PathPoint>& points,
+                                    int* lost) {
   Search search(solver, points);
   std::vector<Feature> found = search.run();
   if (lost != nullptr) *lost = search.lost();
   return found;
 }
 
-LocatedFeatures locateFeaturesOf(const Problem& problem, const NewtonSettings& newton,
+LocatedFeatures locateFeaturesOf(const solver::Problem& problem, const solver::NewtonSettings& newton,
                                  const std::vector<PathPoint>& points) {
   LocatedFeatures result;
-  const double begin = secondsNow();
+  const double begin = solver::secondsNow();
   // Tighter than the path: an extreme moves by the error of the stiffness over its slope. Where rounding forbids that,
   // as the path.
   for (const double share : {1e-2, 1.0}) {
-    NewtonSettings settings = newton;
+    solver::NewtonSettings settings = newton;
     settings.relative_tolerance *= share;
-    EquilibriumSolver solver(problem, settings);
+    solver::EquilibriumSolver solver(problem, settings);
     int lost = 0;
     result.found = locateFeatures(solver, points, &lost);
     result.factorizations += solver.cholesky().factorizations();
     result.complete = lost == 0;
     if (result.complete) break;
   }
-  result.seconds = secondsNow() - begin;
+  result.seconds = solver::secondsNow() - begin;
   return result;
 }
 

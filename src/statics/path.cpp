@@ -10,7 +10,7 @@
 
 namespace snapwing::statics {
 
-PathPoint describePoint(const Equilibrium& x, int iterations, int factorizations, bool keep_solution) {
+PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factorizations, bool keep_solution) {
   PathPoint point;
   point.control = x.p(0);
   point.energy = x.at.elastic_energy;
@@ -29,7 +29,7 @@ PathPoint describePoint(const Equilibrium& x, int iterations, int factorizations
   return point;
 }
 
-PathFollower::PathFollower(const Problem& problem, PathSettings settings)
+PathFollower::PathFollower(const solver::Problem& problem, PathSettings settings)
     : problem_(problem), settings_(std::move(settings)), solver_(problem, settings_.newton) {
   if (problem.controlCount() != 1) throw common::Error("a path needs a problem with exactly one control");
   if (!(settings_.smallest_step > 0 && settings_.smallest_step <= 1)) {
@@ -39,7 +39,7 @@ PathFollower::PathFollower(const Problem& problem, PathSettings settings)
 
 /// The work done on the control must be in the energy of the new point, to the order of a step: corrected trapezium of
 /// the force. What is missing was released by a snap to another branch.
-bool PathFollower::jumped(const Equilibrium& next) const {
+bool PathFollower::jumped(const solver::Equilibrium& next) const {
   const double dp = next.p(0) - place_.p(0);
   const double work = 0.5 * dp * (place_.force() + next.force()) + dp * dp / 12 * (place_.stiffness - next.stiffness);
   const double size = std::max({std::abs(place_.force()), std::abs(next.force()), std::abs(place_.stiffness * dp)});
@@ -49,7 +49,7 @@ bool PathFollower::jumped(const Equilibrium& next) const {
 
 /// Pivots changed their sign between place_ and next: finds out where and why, and leaves the branch if that is wanted.
 /// @param onward  where to go on from
-void PathFollower::passSingular(const Equilibrium& next, Equilibrium& onward) {
+void PathFollower::passSingular(const solver::Equilibrium& next, solver::Equilibrium& onward) {
   SingularPoint found;
   std::string why;
   if (!locateSingular(solver_, place_, next, found, why)) {
@@ -57,8 +57,8 @@ void PathFollower::passSingular(const Equilibrium& next, Equilibrium& onward) {
     return;
   }
   if (found.kind == SingularKind::BIFURCATION && settings_.perturbation != 0 && found.before == 0) {
-    Equilibrium other;
-    const NewtonResult result = switchBranch(solver_, found, settings_.perturbation, other);
+    solver::Equilibrium other;
+    const solver::NewtonResult result = switchBranch(solver_, found, settings_.perturbation, other);
     result_.iterations += result.iterations;
     result_.factorizations += result.factorizations;
     found.followed = result.converged();
@@ -71,13 +71,13 @@ void PathFollower::passSingular(const Equilibrium& next, Equilibrium& onward) {
   result_.singular.push_back(std::move(found));
 }
 
-bool PathFollower::stepTo(double target, NewtonResult& last) {
+bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
   const double begin = place_.p(0), whole = target - begin;
   double share = 1, done = 0;
   while (done < 1) {
     share = std::min(share, 1 - done);
     const double p = done + share >= 1 ? target : begin + (done + share) * whole;
-    Equilibrium next = solver_.predict(place_, p);
+    solver::Equilibrium next = solver_.predict(place_, p);
     next.z = predictor_.guess(p);
     // An unstable branch is no minimum: there only Newton as it is stays on it.
     last = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
@@ -87,14 +87,14 @@ bool PathFollower::stepTo(double target, NewtonResult& last) {
     if (last.converged()) {
       result_.factorizations += solver_.settleNear(next);
       if (settings_.refuse_jumps && jumped(next)) {
-        last.status = SolveStatus::JUMPED;
+        last.status = solver::SolveStatus::JUMPED;
         std::ostringstream text;
         text << "the nearest equilibrium found at " << p << " lies across a jump that releases energy";
         last.message = text.str();
       }
     }
     if (last.converged()) {
-      Equilibrium onward;
+      solver::Equilibrium onward;
       const bool changed = next.negative_pivots >= 0 && next.negative_pivots != place_.negative_pivots;
       if (changed && settings_.locate_singular) passSingular(next, onward);
       const bool left = onward.z.size() > 0;
@@ -106,7 +106,7 @@ bool PathFollower::stepTo(double target, NewtonResult& last) {
       share *= left ? 1 : 2;
       continue;
     }
-    if (last.status == SolveStatus::CANCELLED) return false;
+    if (last.status == solver::SolveStatus::CANCELLED) return false;
     ++result_.halvings;
     share *= 0.5;
     if (share < settings_.smallest_step) return false;
@@ -120,21 +120,21 @@ bool PathFollower::record(int point, int iterations, int factorizations, bool an
   result_.points.back().anchor = anchor;
   if (settings_.recorded) settings_.recorded(result_.points.back());
   if (!settings_.progress || !settings_.progress(point)) return true;
-  result_.status = SolveStatus::CANCELLED;
+  result_.status = solver::SolveStatus::CANCELLED;
   result_.message = "cancelled";
   return false;
 }
 
-void PathFollower::stopped(double target, const NewtonResult& last) {
+void PathFollower::stopped(double target, const solver::NewtonResult& last) {
   std::ostringstream text;
-  text << "stopped at " << place_.p(0) << " on the way to " << target << ": " << statusName(last.status) << "; "
+  text << "stopped at " << place_.p(0) << " on the way to " << target << ": " << solver::statusName(last.status) << "; "
        << last.message;
   if (result_.halvings > 0) text << "; steps were halved " << result_.halvings << " times";
   result_.status = last.status;
   result_.message = text.str();
 }
 
-bool PathFollower::begin(const Eigen::VectorXd& start, double control, NewtonResult& last) {
+bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::NewtonResult& last) {
   place_ = solver_.start(start, control);
   last = solver_.minimise(place_);
   result_.iterations += last.iterations;
@@ -142,12 +142,12 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, NewtonRes
   if (!last.converged()) return false;
   solver_.settle(place_);
   if (solver_.supported(place_)) return true;
-  last.status = SolveStatus::SINGULAR;
+  last.status = solver::SolveStatus::SINGULAR;
   last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
   return false;
 }
 
-void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last) {
+void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last) {
   constexpr std::size_t ANCHOR = 10;
   for (std::size_t k = first; k < targets.size(); ++k) {
     if ((k - first) % ANCHOR == 0) {
@@ -165,7 +165,7 @@ void PathFollower::followTargets(const std::vector<double>& targets, std::size_t
 
 PathResult PathFollower::finish(double begin) {
   result_.factorizations = solver_.cholesky().factorizations() - factorizations_before_;  // with those of detours
-  result_.seconds = secondsNow() - begin;
+  result_.seconds = solver::secondsNow() - begin;
   result_.seconds_assembly = solver_.secondsAssembly();
   result_.seconds_factor = solver_.cholesky().secondsFactor();
   result_.seconds_solve = solver_.cholesky().secondsSolve();
@@ -177,9 +177,9 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
   if (targets.empty()) throw common::Error("a path needs at least one target");
   result_ = {};
   factorizations_before_ = solver_.cholesky().factorizations();
-  const double now = secondsNow();
-  NewtonResult last;
-  result_.status = SolveStatus::CONVERGED;
+  const double now = solver::secondsNow();
+  solver::NewtonResult last;
+  result_.status = solver::SolveStatus::CONVERGED;
   if (!begin(start, targets[0], last)) {
     stopped(targets[0], last);
   } else if (record(0, result_.iterations, result_.factorizations, true)) {
@@ -188,12 +188,12 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
   return finish(now);
 }
 
-PathResult PathFollower::followFrom(const Equilibrium& start, const std::vector<double>& targets) {
+PathResult PathFollower::followFrom(const solver::Equilibrium& start, const std::vector<double>& targets) {
   result_ = {};
   factorizations_before_ = solver_.cholesky().factorizations();
-  const double now = secondsNow();
-  NewtonResult last;
-  result_.status = SolveStatus::CONVERGED;
+  const double now = solver::secondsNow();
+  solver::NewtonResult last;
+  result_.status = solver::SolveStatus::CONVERGED;
   place_ = start;
   followTargets(targets, 0, last);
   return finish(now);

@@ -20,13 +20,13 @@ std::string csvField(const std::string& text) {
 
 }  // namespace
 
-std::string SceneCurve::csv(const Scene& scene) const {
+std::string SceneCurve::csv(const scene::Scene& scene) const {
   std::ostringstream text;
   text.precision(12);
   text << (scene.control_is_length ? "displacement_m,force_N,stiffness_N_per_m"
                                    : "load_factor,work_per_factor_J,slope_J")
        << ",energy_J,stable,negative_pivots,min_det_f,iterations,by_arc";
-  for (const SceneMonitor& m : scene.monitors) text << "," << csvField(m.name + (m.radius > 0 ? "_rad" : "_m"));
+  for (const scene::SceneMonitor& m : scene.monitors) text << "," << csvField(m.name + (m.radius > 0 ? "_rad" : "_m"));
   if (!back.points.empty()) text << ",force_back_N";
   text << "\n";
   for (std::size_t k = 0; k < path.points.size(); ++k) {
@@ -47,8 +47,8 @@ std::string SceneCurve::csv(const Scene& scene) const {
   return text.str();
 }
 
-common::ForceTable SceneCurve::table() const {
-  common::ForceTable t;
+vehicle::ForceTable SceneCurve::table() const {
+  vehicle::ForceTable t;
   const bool down = !path.points.empty() && path.points.back().control < path.points.front().control;
   for (std::size_t n = 0; n < path.points.size(); ++n) {
     const std::size_t k = down ? path.points.size() - 1 - n : n;
@@ -77,7 +77,7 @@ namespace {
 /// One or two runs along the scene's path, with what a resumed trace knows already.
 class SceneTracer {
  public:
-  SceneTracer(const Scene& scene, const CompiledScene& compiled, const TraceSettings& settings,
+  SceneTracer(const scene::Scene& scene, const scene::CompiledScene& compiled, const TraceSettings& settings,
               const std::function<bool(double, double)>& progress)
       : scene_(scene), problem_(compiled.problem()), settings_(settings), progress_(progress) {
     for (int k = 0; k <= scene.steps; ++k) targets_.push_back(scene.to * k / scene.steps);
@@ -89,7 +89,7 @@ class SceneTracer {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem_.freeCount());
     const bool resumed = settings_.resume != nullptr;
     out.path = one(rest, targets_, resumed ? &settings_.resume->path : nullptr, out.path, out);
-    if (!twoRuns() || out.path.status != SolveStatus::CONVERGED) return;
+    if (!twoRuns() || out.path.status != solver::SolveStatus::CONVERGED) return;
     const std::vector<double> back(targets_.rbegin(), targets_.rend());
     const bool second = resumed && !settings_.resume->back.points.empty();
     out.back = one(out.path.points.back().solution, back, second ? &settings_.resume->back : nullptr, out.back, out);
@@ -154,8 +154,8 @@ class SceneTracer {
     return std::move(after);
   }
 
-  const Scene& scene_;
-  const Problem& problem_;
+  const scene::Scene& scene_;
+  const solver::Problem& problem_;
   const TraceSettings& settings_;
   const std::function<bool(double, double)>& progress_;
   std::vector<double> targets_;
@@ -165,14 +165,14 @@ class SceneTracer {
 
 }  // namespace
 
-SceneCurve traceScene(const Scene& scene, const CompiledScene& compiled, const TraceSettings& settings,
+SceneCurve traceScene(const scene::Scene& scene, const scene::CompiledScene& compiled, const TraceSettings& settings,
                       const std::function<bool(double, double)>& progress) {
   if (settings.resume != nullptr && settings.method == TraceMethod::ARC_LENGTH)
     throw common::Error("a path by arc length alone cannot be resumed; trace it automatically");
   SceneCurve curve;
   curve.multiplicity = compiled.multiplicity();
   SceneTracer(scene, compiled, settings, progress).run(curve);
-  if (settings.reverse && curve.path.status == SolveStatus::CONVERGED) {
+  if (settings.reverse && curve.path.status == solver::SolveStatus::CONVERGED) {
     std::swap(curve.path, curve.back);
     if (!scene.back) curve.back = {};
   }

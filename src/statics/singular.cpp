@@ -6,12 +6,12 @@
 
 namespace snapwing::statics {
 
-Chord::Chord(const Equilibrium& a, const Equilibrium& b) : a_(a), b_(b), normal_(b.z - a.z) {
+Chord::Chord(const solver::Equilibrium& a, const solver::Equilibrium& b) : a_(a), b_(b), normal_(b.z - a.z) {
   normal_ /= std::max(normal_.squaredNorm(), 1e-300);
 }
 
-BranchPlane Chord::plane(double s) const {
-  BranchPlane plane;
+solver::BranchPlane Chord::plane(double s) const {
+  solver::BranchPlane plane;
   plane.origin = a_.z;
   plane.normal = normal_;
   plane.control = a_.p(0);
@@ -19,29 +19,29 @@ BranchPlane Chord::plane(double s) const {
   return plane;
 }
 
-Equilibrium Chord::guess(double s) const {
-  Equilibrium x;
+solver::Equilibrium Chord::guess(double s) const {
+  solver::Equilibrium x;
   x.p = a_.p + s * (b_.p - a_.p);
   x.z = a_.z + s * (b_.z - a_.z);
   x.multipliers = a_.multipliers + s * (b_.multipliers - a_.multipliers);
   return x;
 }
 
-double Chord::controlRate(const Equilibrium& x) const { return 1 / normal_.dot(x.slope); }
+double Chord::controlRate(const solver::Equilibrium& x) const { return 1 / normal_.dot(x.slope); }
 
 /// Finite at limit points as well, where stiffness and slope are not.
-double Chord::forceRate(const Equilibrium& x) const { return x.stiffness / normal_.dot(x.slope); }
+double Chord::forceRate(const solver::Equilibrium& x) const { return x.stiffness / normal_.dot(x.slope); }
 
 namespace {
 
 /// One end of the bracket: share of the chord, point, lowest eigenvalue and its mode.
 struct End {
   double s = 0, eigenvalue = 0;
-  Equilibrium x;
+  solver::Equilibrium x;
   Eigen::VectorXd mode;
 };
 
-End makeEnd(EquilibriumSolver& solver, double s, Equilibrium x) {
+End makeEnd(solver::EquilibriumSolver& solver, double s, solver::Equilibrium x) {
   End end;
   end.s = s;
   end.x = std::move(x);
@@ -59,11 +59,11 @@ double nextShare(const End& low, const End& high) {
 }
 
 /// At a limit point the control stands still. Judged a little aside: at a bifurcation itself rounding spoils the slope.
-double controlRateNear(EquilibriumSolver& solver, const Chord& chord, const Equilibrium& a, const Equilibrium& b,
-                       double s) {
+double controlRateNear(solver::EquilibriumSolver& solver, const Chord& chord, const solver::Equilibrium& a,
+                       const solver::Equilibrium& b, double s) {
   constexpr double ASIDE = 1e-3;
   s += s > 0.5 ? -ASIDE : ASIDE;
-  Equilibrium x = chord.guess(s);
+  solver::Equilibrium x = chord.guess(s);
   if (!solver.correctOn(chord.plane(s), x).converged()) return 0;
   const double around = std::max(std::abs(chord.controlRate(a)), std::abs(chord.controlRate(b)));
   return around > 0 ? std::abs(chord.controlRate(x)) / around : 0;
@@ -83,13 +83,13 @@ void describe(const End& low, const End& high, SingularPoint& found) {
 
 }  // namespace
 
-bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equilibrium& b, SingularPoint& found,
-                    std::string& why) {
+bool locateSingular(solver::EquilibriumSolver& solver, const solver::Equilibrium& a, const solver::Equilibrium& b,
+                    SingularPoint& found, std::string& why) {
   constexpr int MOST = 60;
   constexpr double NARROW = 1e-9, SOFT = 1e-9;
   const Chord chord(a, b);
   End low = makeEnd(solver, 0, a), high = makeEnd(solver, 1, b);
-  const Equilibrium first = low.x, last = high.x;
+  const solver::Equilibrium first = low.x, last = high.x;
   found.before = low.x.negative_pivots;
   found.after = high.x.negative_pivots;
   const double stiff = std::max(std::abs(low.eigenvalue), std::abs(high.eigenvalue));
@@ -97,10 +97,10 @@ bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equil
     if (std::min(std::abs(low.eigenvalue), std::abs(high.eigenvalue)) < SOFT * stiff) break;
     // Every third step halves, so that one slow end cannot hold up the bracket.
     const double s = k % 3 == 2 ? 0.5 * (low.s + high.s) : nextShare(low, high);
-    Equilibrium x = chord.guess(s);
-    const NewtonResult result = solver.correctOn(chord.plane(s), x);
+    solver::Equilibrium x = chord.guess(s);
+    const solver::NewtonResult result = solver.correctOn(chord.plane(s), x);
     // Rounding hides the sign of a pivot very near the point itself.
-    if (result.status == SolveStatus::SINGULAR && high.s - low.s < 1e-3) break;
+    if (result.status == solver::SolveStatus::SINGULAR && high.s - low.s < 1e-3) break;
     if (!result.converged()) {
       std::ostringstream text;
       text << "the corrector lost the branch between controls " << low.x.p(0) << " and " << high.x.p(0) << ": "
@@ -119,8 +119,9 @@ bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equil
   return true;
 }
 
-NewtonResult switchBranch(EquilibriumSolver& solver, const SingularPoint& from, double amount, Equilibrium& found) {
-  BranchPlane plane;
+solver::NewtonResult switchBranch(solver::EquilibriumSolver& solver, const SingularPoint& from, double amount,
+                                  solver::Equilibrium& found) {
+  solver::BranchPlane plane;
   plane.origin = from.point.z;
   plane.normal = from.mode / from.mode.squaredNorm();
   plane.control = from.point.p(0);

@@ -13,13 +13,13 @@
 #include "curve_summary.h"
 #include "numbers.h"
 #include "snapwing/common/error.h"
-#include "snapwing/common/force_table.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/common/vehicle.h"
+#include "snapwing/scene/rung.h"
 #include "snapwing/statics/arm_problem.h"
-#include "snapwing/statics/rung.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::tools {
 
@@ -83,11 +83,11 @@ std::string toText(double value) {
   return text.str();
 }
 
-void describe(const CurveOptions& options, const common::Vehicle& vehicle, const statics::ArmProblem& arm,
-              common::ForceTable& table) {
+void describe(const CurveOptions& options, const vehicle::Vehicle& vehicle, const statics::ArmProblem& arm,
+              vehicle::ForceTable& table) {
   table.arm_count = vehicle.arm.count;
   auto& p = table.provenance;
-  common::noteOrigin(vehicle, common::densityBytesOf(vehicle), &p);
+  vehicle::noteOrigin(vehicle, vehicle::densityBytesOf(vehicle), &p);
   p["rung"] = "planar";
   p["plane"] = options.plane;
   p["kernel"] = "linear";
@@ -99,7 +99,7 @@ void describe(const CurveOptions& options, const common::Vehicle& vehicle, const
                  toText(table.travel.back()) + " m";
 }
 
-std::string csvText(const common::ForceTable& table) {
+std::string csvText(const vehicle::ForceTable& table) {
   std::ostringstream text;
   text.precision(12);
   text << "# one arm; force and energy of the vehicle: times " << table.arm_count << "\n"
@@ -114,7 +114,7 @@ std::string csvText(const common::ForceTable& table) {
   return text.str();
 }
 
-void writeCsv(const std::string& path, const common::ForceTable& table) {
+void writeCsv(const std::string& path, const vehicle::ForceTable& table) {
   common::writeFileAtomically(path, csvText(table));
 }
 
@@ -134,7 +134,7 @@ void checkEndings(const CurveOptions& options, bool scene) {
   }
 }
 
-void writeResults(const CurveOptions& options, const common::ForceTable& table, const nlohmann::json& summary) {
+void writeResults(const CurveOptions& options, const vehicle::ForceTable& table, const nlohmann::json& summary) {
   if (!options.csv.empty()) writeCsv(options.csv, table);
   if (!options.summary.empty()) common::writeFileAtomically(options.summary, common::jsonText(summary));
   if (!options.plot.empty()) plotCurve(csvText(table), common::jsonText(summary), options.plot);
@@ -144,9 +144,9 @@ void writeResults(const CurveOptions& options, const common::ForceTable& table, 
 int runTable(const CurveOptions& options) {
   if (!options.output.empty())
     throw common::Error("--output: --rung lumped is a table already; the curve goes to --csv");
-  const common::Vehicle vehicle = common::loadVehicle(options.input);
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.input);
   checkFiles(options, {vehicle.arm.table_file}, "");
-  const common::ForceTable table = common::armTableOf(vehicle);
+  const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
   nlohmann::json summary;
   for (const auto& [key, value] : table.provenance) summary["provenance"][key] = value;
   summary["rung"] = "lumped";
@@ -181,21 +181,21 @@ void refuseSceneOptions(const CurveOptions& o) {
 }
 
 int runCurve(const CurveOptions& options) {
-  const bool scene = statics::isScene(options.input) || options.rung == "volumetric";
+  const bool scene = scene::isScene(options.input) || options.rung == "volumetric";
   checkEndings(options, scene);
   if (scene) return runScene(options);
   refuseSceneOptions(options);
   if (options.rung == "lumped") return runTable(options);
-  const common::Vehicle vehicle = common::loadVehicle(options.input);
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.input);
   checkFiles(options, {vehicle.arm.density_file}, "");
   const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
                                       vehicle.material.mass_density.value};
-  common::densityBytesOf(vehicle);
+  vehicle::densityBytesOf(vehicle);
   const mpm::DensityField design =
       mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
   statics::ArmProblemSettings settings;
   settings.cell_size = options.cell_size;
-  if (!options.resolution.empty()) settings.cell_size = statics::cellSizeFor(options.resolution, design.cell_size);
+  if (!options.resolution.empty()) settings.cell_size = scene::cellSizeFor(options.resolution, design.cell_size);
   settings.plane = options.plane == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
   settings.threads = options.threads;
   const statics::ArmProblem arm(vehicle.arm, material, design, settings);
@@ -218,12 +218,11 @@ int runCurve(const CurveOptions& options) {
 
   if (!curve.table.travel.empty()) describe(options, vehicle, arm, curve.table);
   const nlohmann::json summary = summarise(curve);
-  const bool good = curve.status == statics::SolveStatus::CONVERGED;
-  if (good && !options.output.empty()) common::saveForceTable(curve.table, options.output);
+  const bool good = curve.status == solver::SolveStatus::CONVERGED;
+  if (good && !options.output.empty()) vehicle::saveForceTable(curve.table, options.output);
   if (!curve.table.travel.empty()) writeResults(options, curve.table, summary);
   if (!good) {
-    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", statics::statusName(curve.status).c_str(),
-                 curve.message.c_str());
+    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", solver::statusName(curve.status).c_str(), curve.message.c_str());
     return 1;
   }
   printAnswer(options, summary);

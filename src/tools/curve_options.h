@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/statics/newton.h"
+#include "snapwing/solver/newton.h"
 
 namespace snapwing::tools {
 

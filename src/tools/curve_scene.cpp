@@ -10,11 +10,11 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/common/vehicle.h"
-#include "snapwing/design/arm_scene.h"
+#include "snapwing/scene/arm_scene.h"
+#include "snapwing/scene/rung.h"
 #include "snapwing/statics/checkpoint.h"
-#include "snapwing/statics/rung.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::tools {
 
@@ -23,20 +23,20 @@ namespace {
 std::optional<double> asked(double value) { return std::isnan(value) ? std::nullopt : std::optional<double>(value); }
 
 /// A scene file, or the arm of a vehicle as a solid.
-statics::Scene sourceScene(const CurveOptions& options) {
-  if (statics::isScene(options.input)) return statics::loadScene(options.input);
-  const common::Vehicle vehicle = common::loadVehicle(options.input);
+scene::Scene sourceScene(const CurveOptions& options) {
+  if (scene::isScene(options.input)) return scene::loadScene(options.input);
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.input);
   const mpm::DensityField field =
       mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
-  design::ArmSceneSettings settings;
+  scene::ArmSceneSettings settings;
   settings.dimension = 3;
-  settings.kernel = statics::SceneKernel::LINEAR_REDUCED;
+  settings.kernel = scene::SceneKernel::LINEAR_REDUCED;
   settings.step = options.step;
   settings.back = !options.no_back;
-  statics::Scene scene = design::armScene(vehicle, field, settings);
+  scene::Scene scene = scene::armScene(vehicle, field, settings);
   scene.copies = vehicle.arm.count;  // totals of all arms, as on the other rungs of a vehicle
   scene.named_files = {vehicle.arm.density_file};
-  scene.sha256 = common::sha256(vehicle.sha256 + common::densityBytesOf(vehicle));
+  scene.sha256 = common::sha256(vehicle.sha256 + vehicle::densityBytesOf(vehicle));
   return scene;
 }
 
@@ -50,45 +50,45 @@ std::string tradeFolder(const CurveOptions& options) {
   return "data/trade";
 }
 
-void applyRung(statics::Scene& scene, const std::string& rung, const CurveOptions& options) {
+void applyRung(scene::Scene& scene, const std::string& rung, const CurveOptions& options) {
   if (rung == "lumped") {
     throw common::Error("--rung lumped: a scene has no table; allowed: planar, volumetric, or a vehicle file");
   }
   const auto plane = options.plane == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
-  if (rung == "planar") scene = statics::asPlanar(scene, plane);
-  if (rung == "volumetric") scene = statics::asVolumetric(scene);
+  if (rung == "planar") scene = scene::asPlanar(scene, plane);
+  if (rung == "volumetric") scene = scene::asVolumetric(scene);
 }
 
 /// What the options change in a scene. @param choice  set if a measured row decided
-statics::Scene askedScene(const CurveOptions& options, std::optional<statics::TradeRow>& choice) {
-  statics::Scene scene = sourceScene(options);
+scene::Scene askedScene(const CurveOptions& options, std::optional<scene::TradeRow>& choice) {
+  scene::Scene scene = sourceScene(options);
   const double own_cell_size = scene.cell_size;
   if (asked(options.error) || asked(options.seconds)) {
-    choice = statics::chooseRow(statics::loadTrade(tradeFolder(options)), scene, asked(options.error),
-                                asked(options.seconds));
+    choice =
+        scene::chooseRow(scene::loadTrade(tradeFolder(options)), scene, asked(options.error), asked(options.seconds));
     if (choice->rung == "planar" && scene.dimension == 3 && options.plane != "stress") {
       throw common::Error("--plane strain: errors were measured in plane stress; name --rung and --resolution");
     }
     applyRung(scene, choice->rung, options);
-    scene.kernel = statics::kernelFromName(choice->kernel);
+    scene.kernel = scene::kernelFromName(choice->kernel);
     scene.cell_size = choice->cell_size;
   }
   applyRung(scene, options.rung, options);
-  if (!options.resolution.empty()) scene.cell_size = statics::cellSizeFor(options.resolution, own_cell_size);
+  if (!options.resolution.empty()) scene.cell_size = scene::cellSizeFor(options.resolution, own_cell_size);
   if (options.cell_size > 0) scene.cell_size = options.cell_size;
-  if (!options.kernel.empty()) scene.kernel = statics::kernelFromName(options.kernel);
+  if (!options.kernel.empty()) scene.kernel = scene::kernelFromName(options.kernel);
   if (options.particles > 0) scene.particles = options.particles;
   if (options.steps > 0) scene.steps = options.steps;
-  if (!options.drive.empty()) scene.drive = statics::driveFromName(options.drive);
+  if (!options.drive.empty()) scene.drive = solver::driveFromName(options.drive);
   if (options.perturb != 0) scene.perturbation = options.perturb;
   return scene;
 }
 
-void addModel(const statics::Scene& scene, const statics::CompiledScene& compiled, nlohmann::json& j) {
+void addModel(const scene::Scene& scene, const scene::CompiledScene& compiled, nlohmann::json& j) {
   j["scene"] = scene.name;
   j["rung"] = scene.dimension == 2 ? "planar" : "volumetric";
-  j["kernel"] = statics::kernelName(scene.kernel);
-  j["drive"] = statics::driveName(scene.drive);
+  j["kernel"] = scene::kernelName(scene.kernel);
+  j["drive"] = solver::driveName(scene.drive);
   j["dimension"] = scene.dimension;
   if (scene.dimension == 2) j["plane"] = scene.plane == elasticity::Plane::STRAIN ? "strain" : "stress";
   j["cell_size_m"] = scene.cell_size;
@@ -98,7 +98,7 @@ void addModel(const statics::Scene& scene, const statics::CompiledScene& compile
   j["symmetry"] = compiled.symmetry();
   j["multiplicity"] = compiled.multiplicity();
   j["volume_share_left_out"] = compiled.droppedShare();
-  const statics::SceneVolume volume = compiled.volume();
+  const scene::SceneVolume volume = compiled.volume();
   j["modelled_volume_m3"] = volume.modelled;
   j["body_volume_m3"] = volume.bodies;
   j["volume_error"] = volume.modelled / volume.bodies - 1;
@@ -123,9 +123,9 @@ void addSingular(const statics::SceneCurve& curve, nlohmann::json& j) {
   }
 }
 
-nlohmann::json summarise(const statics::Scene& scene, const statics::CompiledScene& compiled,
-                         const statics::NewtonSettings& newton, const statics::SceneCurve& curve) {
-  const bool whole = curve.path.status == statics::SolveStatus::CONVERGED;
+nlohmann::json summarise(const scene::Scene& scene, const scene::CompiledScene& compiled,
+                         const solver::NewtonSettings& newton, const statics::SceneCurve& curve) {
+  const bool whole = curve.path.status == solver::SolveStatus::CONVERGED;
   statics::LocatedFeatures located;
   if (whole && scene.control_is_length) {
     located = statics::locateFeaturesOf(compiled.problem(), newton, curve.path.points);
@@ -153,7 +153,7 @@ nlohmann::json summarise(const statics::Scene& scene, const statics::CompiledSce
   return j;
 }
 
-void writeVtu(const std::string& folder, const statics::CompiledScene& compiled, const statics::SceneCurve& curve) {
+void writeVtu(const std::string& folder, const scene::CompiledScene& compiled, const statics::SceneCurve& curve) {
   common::makeFolder(folder);
   for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
     char name[32];
@@ -166,7 +166,7 @@ void writeVtu(const std::string& folder, const statics::CompiledScene& compiled,
 /// Writes what was reached, at most once a second, and removes it at the end of a good run.
 class Checkpoints {
  public:
-  Checkpoints(const CurveOptions& options, const statics::Scene& scene)
+  Checkpoints(const CurveOptions& options, const scene::Scene& scene)
       : hash_(statics::traceHash(scene, options.reverse ? "reverse" : "")), file_(fileOf(options)) {
     if (options.resume && file_.empty())
       throw common::Error("--resume needs --output, --csv or --checkpoint: it goes on from the file OUTPUT.checkpoint");
@@ -209,7 +209,7 @@ class Checkpoints {
 statics::TraceSettings traceSettings(const CurveOptions& options) {
   statics::TraceSettings settings;
   settings.newton.cancelled = InterruptGuard::interrupted;
-  settings.newton.projection = statics::projectionFromName(options.projection);
+  settings.newton.projection = solver::projectionFromName(options.projection);
   settings.reverse = options.reverse;
   settings.method = options.no_arc       ? statics::TraceMethod::DISPLACEMENT
                     : options.arc_length ? statics::TraceMethod::ARC_LENGTH
@@ -217,32 +217,32 @@ statics::TraceSettings traceSettings(const CurveOptions& options) {
   return settings;
 }
 
-void writeTable(const CurveOptions& options, const statics::Scene& scene, const statics::SceneCurve& curve,
+void writeTable(const CurveOptions& options, const scene::Scene& scene, const statics::SceneCurve& curve,
                 const nlohmann::json& summary) {
   if (!curve.monotone()) throw common::Error("the branch snaps back: it has no force table; write a CSV");
   if (!scene.control_is_length) throw common::Error("a force table needs a scene with a driven port, not loads");
-  common::ForceTable table = curve.table();
+  vehicle::ForceTable table = curve.table();
   for (const auto& [key, value] : summary.items()) {
     if (value.is_string() || value.is_number())
       table.provenance[key] = value.is_string() ? value.get<std::string>() : value.dump();
   }
   table.provenance["inputs_sha256"] = scene.sha256;
-  if (!statics::isScene(options.input)) {  // the arm of a vehicle as a solid
-    const common::Vehicle vehicle = common::loadVehicle(options.input);
-    common::noteOrigin(vehicle, common::densityBytesOf(vehicle), &table.provenance);
+  if (!scene::isScene(options.input)) {  // the arm of a vehicle as a solid
+    const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.input);
+    vehicle::noteOrigin(vehicle, vehicle::densityBytesOf(vehicle), &table.provenance);
     table.arm_count = vehicle.arm.count;
   }
-  common::saveForceTable(table, options.output);
+  vehicle::saveForceTable(table, options.output);
 }
 
 }  // namespace
 
 int runScene(const CurveOptions& options) {
-  std::optional<statics::TradeRow> choice;
-  const statics::Scene scene = askedScene(options, choice);
+  std::optional<scene::TradeRow> choice;
+  const scene::Scene scene = askedScene(options, choice);
   checkFiles(options, scene.named_files, Checkpoints::fileOf(options));
   Checkpoints checkpoints(options, scene);
-  const auto compiled = statics::compileScene(scene, options.threads);
+  const auto compiled = scene::compileScene(scene, options.threads);
   statics::TraceSettings settings = traceSettings(options);
   settings.resume = checkpoints.known();
   settings.reached = [&](const statics::SceneCurve& sofar) {
@@ -251,7 +251,7 @@ int runScene(const CurveOptions& options) {
   const InterruptGuard guard;
   const statics::SceneCurve curve = statics::traceScene(
       scene, *compiled, settings, [&](double share, double control) { return showProgress(options, share, control); });
-  const bool good = curve.path.status == statics::SolveStatus::CONVERGED;
+  const bool good = curve.path.status == solver::SolveStatus::CONVERGED;
   nlohmann::json summary = summarise(scene, *compiled, settings.newton, curve);
   if (choice) {
     summary["chosen"] = {

@@ -18,15 +18,15 @@ constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
 
 /// Features of a curve that leads away from 0 in its own direction, and the state that it leaves.
 struct Told {
-  common::CurveFeatures f{NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, false};
+  vehicle::CurveFeatures f{NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, NONE, false};
   double first = NONE;
   std::vector<double> zeros;
 };
 
-bool leadsDown(const common::ForceTable& t) { return std::abs(t.travel.front()) > std::abs(t.travel.back()); }
+bool leadsDown(const vehicle::ForceTable& t) { return std::abs(t.travel.front()) > std::abs(t.travel.back()); }
 
 /// The same curve seen along the other direction: u -> -u, R -> -R.
-common::ForceTable mirrored(common::ForceTable t) {
+vehicle::ForceTable mirrored(vehicle::ForceTable t) {
   for (auto* values : {&t.travel, &t.force, &t.stiffness, &t.energy, &t.rotation, &t.min_det_f, &t.force_back})
     std::reverse(values->begin(), values->end());
   for (auto* values : {&t.travel, &t.force, &t.force_back}) {
@@ -37,10 +37,10 @@ common::ForceTable mirrored(common::ForceTable t) {
   return t;
 }
 
-Told interpolated(const common::ForceTable& table) {
+Told interpolated(const vehicle::ForceTable& table) {
   const bool down = leadsDown(table);
   Told told;
-  told.f = common::curveFeatures(down ? mirrored(table) : table);
+  told.f = vehicle::curveFeatures(down ? mirrored(table) : table);
   if (down) {
     for (double* value : {&told.f.peak_travel, &told.f.peak_force, &told.f.valley_travel, &told.f.valley_force,
                           &told.f.barrier_travel, &told.f.second_travel})
@@ -79,7 +79,7 @@ Told solved(std::vector<Feature> found, bool down, double factor, bool preloaded
     }
   }
   for (double& zero : told.zeros) zero += 0.0;  // no -0
-  common::CurveFeatures& f = told.f;
+  vehicle::CurveFeatures& f = told.f;
   if (first) told.first = first->point.control + 0.0;
   if (peak) f.peak_travel = peak->point.control, f.peak_force = factor * peak->point.force;
   if (valley) f.valley_travel = valley->point.control, f.valley_force = factor * valley->point.force;
@@ -184,13 +184,13 @@ void addLocated(const std::vector<Feature>& found, double factor, json& j) {
   }
 }
 
-void addFeatures(const common::ForceTable& table, const statics::LocatedFeatures& located, double factor,
+void addFeatures(const vehicle::ForceTable& table, const statics::LocatedFeatures& located, double factor,
                  bool preloaded, json& j) {
   if (table.travel.size() >= 4) {
-    const double hysteresis = common::curveFeatures(table).hysteresis;
+    const double hysteresis = vehicle::curveFeatures(table).hysteresis;
     const Told told =
         located.complete ? solved(located.found, leadsDown(table), factor, preloaded) : interpolated(table);
-    const common::CurveFeatures& f = told.f;
+    const vehicle::CurveFeatures& f = told.f;
     const bool exact = located.complete;
     j["features"] = exact ? "solved for" : "interpolated";
     j["peak"] = {{"travel_m", orNull(f.peak_travel)}, {"force_N", orNull(f.peak_force)}, {"exact", exact}};

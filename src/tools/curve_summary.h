@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
 #include "snapwing/statics/features.h"
+#include "snapwing/vehicle/force_table.h"
 
 namespace snapwing::tools {
 
@@ -16,7 +16,7 @@ nlohmann::json orNull(double value);
 template <class Result>
 nlohmann::json costsOf(const Result& result, const statics::LocatedFeatures& located) {
   nlohmann::json j;
-  j["status"] = statics::statusName(result.status);
+  j["status"] = solver::statusName(result.status);
   j["message"] = result.message;
   j["iterations"] = result.iterations;
   j["factorizations"] = result.factorizations + located.factorizations;
@@ -35,7 +35,7 @@ nlohmann::json costsOf(const Result& result, const statics::LocatedFeatures& loc
 /// @param table      the curve; what it does not hold are the arms or copies in `factor`
 /// @param factor     of forces and energies in `located`
 /// @param preloaded  loads act beside the driven port: the elastic energy then tells no barriers
-void addFeatures(const common::ForceTable& table, const statics::LocatedFeatures& located, double factor,
+void addFeatures(const vehicle::ForceTable& table, const statics::LocatedFeatures& located, double factor,
                  bool preloaded, nlohmann::json& j);
 
 /// Every feature that was solved for, as it is.

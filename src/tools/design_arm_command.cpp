@@ -10,7 +10,7 @@
 #include "numbers.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/output_file.h"
-#include "snapwing/design/arm_outcome.h"
+#include "snapwing/design/arm/arm_outcome.h"
 
 namespace snapwing::tools {
 

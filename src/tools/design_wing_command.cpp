@@ -7,7 +7,7 @@
 #include "commands.h"
 #include "numbers.h"
 #include "snapwing/common/output_file.h"
-#include "snapwing/design/wing_outcome.h"
+#include "snapwing/design/wing/wing_outcome.h"
 
 namespace snapwing::tools {
 

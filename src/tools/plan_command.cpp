@@ -10,9 +10,9 @@
 #include "prediction_json.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/common/table_origin.h"
 #include "snapwing/planning/accident_margins.h"
 #include "snapwing/planning/pulse_planner.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
 namespace snapwing::tools {
@@ -47,8 +47,8 @@ nlohmann::ordered_json planJson(const planning::TransitionPlan& plan) {
   const std::vector<std::string> names = planning::plannerCoordinateNames();
   for (std::size_t i = 0; i < plan.worst_coordinates.size(); ++i)
     worst_coordinates[names[i]] = plan.worst_coordinates[i];
-  return {{"start_mode", common::modeName(plan.start_mode)},
-          {"target_mode", common::modeName(plan.target_mode)},
+  return {{"start_mode", vehicle::modeName(plan.start_mode)},
+          {"target_mode", vehicle::modeName(plan.target_mode)},
           {"accepted", plan.accepted},
           {"reason", plan.reason},
           {"pulse", pulseJson(plan.pulse)},
@@ -71,7 +71,7 @@ nlohmann::ordered_json accidentsJson(const std::vector<planning::AccidentMargin>
   for (const auto& m : margins) {
     list.push_back({{"name", m.name},
                     {"explanation", m.explanation},
-                    {"mode", common::modeName(m.mode)},
+                    {"mode", vehicle::modeName(m.mode)},
                     {"unit", m.unit},
                     {"limit", m.limit},
                     {"occurs", m.occurs},
@@ -86,7 +86,7 @@ void printPlan(const planning::TransitionPlan& plan) {
     if (plan.realisations == 0) return;
   } else {
     std::printf("plan %s -> %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n",
-                common::modeName(plan.start_mode).c_str(), common::modeName(plan.target_mode).c_str(),
+                vehicle::modeName(plan.start_mode).c_str(), vehicle::modeName(plan.target_mode).c_str(),
                 plan.pulse.throttle, 100.0 * plan.thrust_fraction, plan.pulse.duration);
   }
   std::printf("worst margin %+.3f, %.1f %% of %d vehicles switch; %d pulses, %ld trials in %.2f s\n", plan.worst_margin,
@@ -109,8 +109,8 @@ void printAccidents(const std::vector<planning::AccidentMargin>& margins, bool w
 }
 
 /// The map takes minutes where the plan takes seconds: it says how far it is.
-void writeMap(const PlanOptions& options, const planning::PulsePlanner& planner, common::Mode start,
-              const rom::Trial& trial) {
+void writeMap(const PlanOptions& options, const planning::PulsePlanner& planner, vehicle::Mode start,
+              const vehicle::Trial& trial) {
   const bool shown = !options.quiet;
   const auto progress = [shown](int done, int all) {
     if (!shown || (100 * done / all == 100 * (done - 1) / all && done > 1)) return;
@@ -122,13 +122,13 @@ void writeMap(const PlanOptions& options, const planning::PulsePlanner& planner,
 }
 
 int plan(const PlanOptions& options) {
-  const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
   checkFiles(vehicle, table_file, {{options.json_file, "--json"}, {options.map_file, "--map"}});
-  const common::ForceTable table = common::armTableOf(vehicle, options.table_file);
-  const common::Mode start = common::modeFromName(options.start);
-  const rom::Trial trial = options.trial.trial(vehicle);
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, table);
+  const vehicle::ForceTable table = vehicle::armTableOf(vehicle, options.table_file);
+  const vehicle::Mode start = vehicle::modeFromName(options.start);
+  const vehicle::Trial trial = options.trial.trial(vehicle);
+  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, table);
   const planning::PulsePlanner planner(vehicle, table, options.settings, wing);
 
   const auto begin = std::chrono::steady_clock::now();

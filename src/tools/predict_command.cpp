@@ -11,8 +11,8 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/common/table_origin.h"
 #include "snapwing/rom/lumped_model.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
 namespace snapwing::tools {
@@ -23,7 +23,7 @@ constexpr int LARGEST_COUNT = 10000000;  ///< steps of one prediction
 
 struct PredictOptions {
   std::string vehicle_file, table_file, json_file, csv_file, start;
-  common::Pulse pulse;
+  vehicle::Pulse pulse;
   double step = rom::LumpedSettings().step;
   TrialOptions trial;
 };
@@ -46,12 +46,12 @@ class TrajectoryCsv {
 };
 
 int predict(const PredictOptions& options) {
-  const common::Vehicle vehicle = common::loadVehicle(options.vehicle_file);
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
   checkFiles(vehicle, table_file, {{options.csv_file, "--csv"}, {options.json_file, "--json"}});
-  const common::ForceTable table = common::armTableOf(vehicle, options.table_file);
-  const common::Mode start = common::modeFromName(options.start);
-  const rom::Trial trial = options.trial.trial(vehicle);
+  const vehicle::ForceTable table = vehicle::armTableOf(vehicle, options.table_file);
+  const vehicle::Mode start = vehicle::modeFromName(options.start);
+  const vehicle::Trial trial = options.trial.trial(vehicle);
   rom::LumpedSettings settings;
   settings.step = options.step;
   const double steps = (options.pulse.duration + trial.horizon) / options.step;
@@ -61,8 +61,8 @@ int predict(const PredictOptions& options) {
                         "allowed: at most " +
                         std::to_string(LARGEST_COUNT));
   }
-  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, common::realise(vehicle, table),
-                                                               settings, common::wingTableOf(vehicle, table));
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle, table, vehicle::realise(vehicle, table),
+                                                               settings, vehicle::wingTableOf(vehicle, table));
 
   TrajectoryCsv csv;
   rom::LumpedObserver observer;
@@ -85,12 +85,12 @@ int predict(const PredictOptions& options) {
     common::writeFileAtomically(options.json_file, common::jsonText(json));
   }
   std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
-              rom::mountName(trial.mount).c_str(), model.wingsAct(trial) ? "on" : "off", options.pulse.throttle,
+              vehicle::mountName(trial.mount).c_str(), model.wingsAct(trial) ? "on" : "off", options.pulse.throttle,
               100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
   std::printf("%s\n", predictionLine(prediction).c_str());
   if (!prediction.start_held)
     std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());
-  return prediction.end_mode == common::Mode::UNKNOWN ? 1 : 0;
+  return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ using nlohmann::ordered_json;
 
 ordered_json predictionJson(const rom::SnapPrediction& p) {
   return {{"rung", p.rung},
-          {"start_mode", common::modeName(p.start_mode)},
-          {"end_mode", common::modeName(p.end_mode)},
+          {"start_mode", vehicle::modeName(p.start_mode)},
+          {"end_mode", vehicle::modeName(p.end_mode)},
           {"snapped", p.snapped},
           {"start_held", p.start_held},
           {"snap_time", p.snap_time},
@@ -29,13 +29,13 @@ ordered_json predictionJson(const rom::SnapPrediction& p) {
           {"compute_seconds", p.compute_seconds}};
 }
 
-ordered_json pulseJson(const common::Pulse& pulse) {
+ordered_json pulseJson(const vehicle::Pulse& pulse) {
   return {{"throttle", pulse.throttle}, {"duration", pulse.duration}};
 }
 
-ordered_json trialJson(const rom::Trial& trial) {
-  ordered_json json = {{"mount", rom::mountName(trial.mount)},
-                       {"wings", rom::wingsName(trial.wings)},
+ordered_json trialJson(const vehicle::Trial& trial) {
+  ordered_json json = {{"mount", vehicle::mountName(trial.mount)},
+                       {"wings", vehicle::wingsName(trial.wings)},
                        {"gravity", trial.gravity},
                        {"initial_speed", trial.initial_speed},
                        {"horizon", trial.horizon}};
@@ -44,7 +44,7 @@ ordered_json trialJson(const rom::Trial& trial) {
   return json;
 }
 
-ordered_json inputsJson(const common::Vehicle& vehicle, const std::string& table_file) {
+ordered_json inputsJson(const vehicle::Vehicle& vehicle, const std::string& table_file) {
   ordered_json json = {{"vehicle", vehicle.name},
                        {"vehicle_file", vehicle.file},
                        {"vehicle_sha256", vehicle.sha256},
@@ -58,7 +58,7 @@ ordered_json inputsJson(const common::Vehicle& vehicle, const std::string& table
   return json;
 }
 
-void checkFiles(const common::Vehicle& vehicle, const std::string& table_file,
+void checkFiles(const vehicle::Vehicle& vehicle, const std::string& table_file,
                 const std::vector<std::pair<std::string, std::string>>& outputs) {
   common::OutputFiles files;
   files.reads(vehicle.file, "the vehicle file");
@@ -68,7 +68,7 @@ void checkFiles(const common::Vehicle& vehicle, const std::string& table_file,
   for (const auto& [path, option] : outputs) files.writes(path, option);
 }
 
-std::string chooseTable(const common::Vehicle& vehicle, const std::string& asked) {
+std::string chooseTable(const vehicle::Vehicle& vehicle, const std::string& asked) {
   return asked.empty() ? vehicle.arm.table_file : asked;
 }
 
@@ -76,13 +76,13 @@ std::string predictionLine(const rom::SnapPrediction& p) {
   char text[400];
   if (p.snapped) {
     std::snprintf(text, sizeof text, "switches %s -> %s, barrier passed %.3f s after the command, margin %+.3f",
-                  common::modeName(p.start_mode).c_str(), common::modeName(p.end_mode).c_str(), p.snap_time,
+                  vehicle::modeName(p.start_mode).c_str(), vehicle::modeName(p.end_mode).c_str(), p.snap_time,
                   p.energy_margin);
-  } else if (p.end_mode == common::Mode::UNKNOWN) {
+  } else if (p.end_mode == vehicle::Mode::UNKNOWN) {
     std::snprintf(text, sizeof text, "starts in %s and has not settled within the horizon",
-                  common::modeName(p.start_mode).c_str());
+                  vehicle::modeName(p.start_mode).c_str());
   } else {
-    std::snprintf(text, sizeof text, "stays in %s%s, margin %+.3f", common::modeName(p.start_mode).c_str(),
+    std::snprintf(text, sizeof text, "stays in %s%s, margin %+.3f", vehicle::modeName(p.start_mode).c_str(),
                   std::isnan(p.snap_time) ? "" : " (passed the barrier and came back)", p.energy_margin);
   }
   std::string line = text;

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "numbers.h"
-#include "snapwing/rom/trial.h"
+#include "snapwing/vehicle/trial.h"
 
 namespace snapwing::tools {
 
@@ -15,7 +15,7 @@ struct TrialOptions {
   double gravity = 0;
   double initial_speed = 0;
   std::optional<double> initial_thrust, final_thrust;
-  double horizon = rom::Trial().horizon;
+  double horizon = vehicle::Trial().horizon;
 
   void addTo(CLI::App& command) {
     command
@@ -45,10 +45,10 @@ struct TrialOptions {
   }
 
   /// @throws common::Error
-  rom::Trial trial(const common::Vehicle& vehicle) const {
-    rom::Trial result;
-    result.mount = rom::mountFor(vehicle, mount, "--mount");
-    result.wings = rom::wingsFromName(wings);
+  vehicle::Trial trial(const vehicle::Vehicle& vehicle) const {
+    vehicle::Trial result;
+    result.mount = vehicle::mountFor(vehicle, mount, "--mount");
+    result.wings = vehicle::wingsFromName(wings);
     result.gravity = gravity;
     result.initial_speed = initial_speed;
     result.initial_thrust_fraction = initial_thrust;

@@ -11,11 +11,11 @@
 
 #include "commands.h"
 #include "snapwing/common/error.h"
-#include "snapwing/common/force_table.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/common/vehicle.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::tools {
 
@@ -110,7 +110,7 @@ void copyFile(const fs::path& from, const fs::path& to) {
 
 int makeNew(const NewOptions& options) {
   const fs::path source = sourceFile(options.from), target = fs::absolute(options.file), folder = target.parent_path();
-  const common::Vehicle vehicle = common::loadVehicle(source.string());
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(source.string());
   if (fs::exists(target)) throw common::FileError(options.file, "is there already; allowed: a new file");
   std::string text = leaveOut(common::readFile(source.string()), options.without);
   std::vector<Part> parts = {{"arm", "density_file", vehicle.arm.density_file, "arm/density.csv"},
@@ -146,20 +146,20 @@ int makeNew(const NewOptions& options) {
     std::printf("%s: settings of `snapwing design arm` for it\n",
                 design.lexically_relative(fs::current_path()).c_str());
   }
-  common::loadVehicle(target.string());
+  vehicle::loadVehicle(target.string());
   return 0;
 }
 
 int check(const CheckOptions& options) {
-  const common::Vehicle vehicle = common::loadVehicle(options.file);
-  const common::ForceTable table = common::armTableOf(vehicle);
-  const bool wing = common::wingTableOf(vehicle, table).has_value();
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.file);
+  const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
+  const bool wing = vehicle::wingTableOf(vehicle, table).has_value();
   const std::string path = fs::canonical(options.file).string();
   if (options.path) {  // for a launch file: nothing else on this line
     std::printf("%s", path.c_str());
     return 0;
   }
-  const common::CurveFeatures f = common::curveFeatures(table);
+  const vehicle::CurveFeatures f = vehicle::curveFeatures(table);
   std::printf("%s: vehicle '%s', %.3f kg, %d arms, %s, %s\n", path.c_str(), vehicle.name.c_str(),
               vehicle.masses.total.value, vehicle.arm.count, wing ? "wings" : "no wings",
               vehicle.boom.given ? "a boom" : "no boom");

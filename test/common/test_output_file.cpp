@@ -10,10 +10,10 @@
 #include <thread>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/force_table.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/common/wing_table.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/wing_table.h"
 
 namespace snapwing::common {
 namespace {
@@ -47,8 +47,8 @@ std::string messageOf(const Action& action) {
   return "";
 }
 
-ForceTable anyTable() {
-  ForceTable t;
+vehicle::ForceTable anyTable() {
+  vehicle::ForceTable t;
   for (int k = 0; k < 400; ++k) {
     const double u = 1e-4 * k;
     t.travel.push_back(u), t.force.push_back(100 * u), t.stiffness.push_back(100), t.energy.push_back(50 * u * u);
@@ -148,14 +148,14 @@ TEST_F(OutputFile, WhatDoesNotFitLeavesTheOldFileAndNothingElse) {
     const std::string why = messageOf([&] { writeFileAtomically(path, std::string(10000, 'x')); });
     EXPECT_NE(why.find(path + ": cannot be written: File too large"), std::string::npos) << why;
     // HDF5 crashed when it closed a file that it could not write.
-    const std::string h5 = messageOf([&] { saveForceTable(anyTable(), table); });
+    const std::string h5 = messageOf([&] { vehicle::saveForceTable(anyTable(), table); });
     EXPECT_NE(h5.find(table + ": cannot be written: File too large"), std::string::npos) << h5;
   }
   EXPECT_EQ(readFile(path), "old");
   EXPECT_EQ(readFile(table), "old table");
   EXPECT_EQ(count(), 3u);
-  saveForceTable(anyTable(), table);
-  EXPECT_EQ(loadForceTable(table).travel, anyTable().travel);
+  vehicle::saveForceTable(anyTable(), table);
+  EXPECT_EQ(vehicle::loadForceTable(table).travel, anyTable().travel);
 }
 
 TEST_F(OutputFile, NoOutputIsAnInputWhateverItsName) {

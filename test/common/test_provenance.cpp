@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/mode.h"
 #include "snapwing/common/provenance.h"
 
 namespace snapwing::common {
@@ -21,14 +20,6 @@ TEST(Provenance, FilesAreReadWhole) {
   std::filesystem::remove(path);
   EXPECT_THROW(readFile(path), FileError);
   EXPECT_THROW(readFile(testing::TempDir()), FileError);
-}
-
-TEST(Mode, NamesGoBothWays) {
-  EXPECT_EQ(modeFromName(modeName(Mode::FIXED_WING)), Mode::FIXED_WING);
-  EXPECT_EQ(modeFromName("QUADROTOR"), Mode::QUADROTOR);
-  EXPECT_EQ(otherMode(Mode::QUADROTOR), Mode::FIXED_WING);
-  EXPECT_THROW(modeFromName("hover"), Error);
-  EXPECT_THROW(otherMode(Mode::UNKNOWN), Error);
 }
 
 }  // namespace

@@ -3,14 +3,14 @@
 
 #include "fuzz_file.h"
 #include "snapwing/mpm/density_field.h"
-#include "snapwing/statics/rung.h"
+#include "snapwing/scene/rung.h"
 
 using namespace snapwing;
 using fuzz::taken;
 
 namespace snapwing::statics {
-Drive driveFromName(const std::string&) { return Drive::ELIMINATION; }
-std::string driveName(Drive) { return "elimination"; }
+solver::Drive driveFromName(const std::string&) { return solver::Drive::ELIMINATION; }
+std::string driveName(solver::Drive) { return "elimination"; }
 }  // namespace snapwing::statics
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -26,8 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string folder = path + "_trade";
   ::mkdir(folder.c_str(), 0700);
   ::rename(path.c_str(), (folder + "/t.csv").c_str());
-  statics::Scene scene;
+  scene::Scene scene;
   scene.content_sha256 = "ab";
-  taken([&] { statics::chooseRow(statics::loadTrade(folder), scene, 0.1, {}); });
+  taken([&] { scene::chooseRow(scene::loadTrade(folder), scene, 0.1, {}); });
   return 0;
 }

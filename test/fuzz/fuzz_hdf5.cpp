@@ -8,11 +8,11 @@
 #include <iterator>
 
 #include "fuzz_file.h"
-#include "snapwing/common/force_table.h"
 #include "snapwing/common/hdf5_file.h"
-#include "snapwing/common/wing_table.h"
-#include "snapwing/design/array_file.h"
+#include "snapwing/design/optim/array_file.h"
 #include "snapwing/mpm/density_file.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/wing_table.h"
 
 using namespace snapwing;
 using fuzz::taken;
@@ -140,8 +140,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   }
   H5Fclose(file);
-  taken([&] { common::loadForceTable(path).validate(); });
-  taken([&] { common::loadWingTable(path).validate(); });
+  taken([&] { vehicle::loadForceTable(path).validate(); });
+  taken([&] { vehicle::loadWingTable(path).validate(); });
   taken([&] { design::loadArrays(path); });
   taken([&] {
     for (const double rho : mpm::loadDensityHdf5(path, "density", 3, 2).value)

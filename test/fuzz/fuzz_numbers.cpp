@@ -5,14 +5,14 @@
 
 #include "fuzz_file.h"
 #include "snapwing/common/plain_text.h"
-#include "snapwing/statics/drive.h"
-#include "snapwing/statics/rung.h"
+#include "snapwing/scene/rung.h"
+#include "snapwing/solver/drive.h"
 
 using namespace snapwing;
 
 namespace snapwing::statics {
-Drive driveFromName(const std::string&) { return Drive::ELIMINATION; }
-std::string driveName(Drive) { return "elimination"; }
+solver::Drive driveFromName(const std::string&) { return solver::Drive::ELIMINATION; }
+std::string driveName(solver::Drive) { return "elimination"; }
 }  // namespace snapwing::statics
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   int whole = 0;
   if (common::parseInteger(text, &whole)) fuzz::require(common::parseNumber(text, &value) && value == whole);
-  fuzz::taken([&] { fuzz::require(statics::cellSizeFor(text, 1e-3) > 0); });
+  fuzz::taken([&] { fuzz::require(scene::cellSizeFor(text, 1e-3) > 0); });
   if (size >= sizeof(double)) {
     std::memcpy(&value, data, sizeof(double));
     double back = 0;

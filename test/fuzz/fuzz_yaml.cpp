@@ -2,17 +2,19 @@
 #include "fuzz_file.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/settings_reader.h"
-#include "snapwing/common/vehicle.h"
-#include "snapwing/statics/drive.h"
-#include "snapwing/statics/scene.h"
+#include "snapwing/scene/scene.h"
+#include "snapwing/solver/drive.h"
+#include "snapwing/vehicle/vehicle.h"
 
 using namespace snapwing;
 using fuzz::taken;
 
 // The names of the drives lie beside the solver, which is not built in here.
 namespace snapwing::statics {
-Drive driveFromName(const std::string& name) { return name == "multipliers" ? Drive::MULTIPLIERS : Drive::ELIMINATION; }
-std::string driveName(Drive) { return "elimination"; }
+solver::Drive driveFromName(const std::string& name) {
+  return name == "multipliers" ? solver::Drive::MULTIPLIERS : solver::Drive::ELIMINATION;
+}
+std::string driveName(solver::Drive) { return "elimination"; }
 }  // namespace snapwing::statics
 
 namespace {
@@ -50,9 +52,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     walk(reader, 0);
   });
   const std::string path = fuzz::asFile(data, size, ".yaml");
-  if (taken([&] { statics::isScene(path); })) {
-    taken([&] { statics::loadScene(path); });
-    taken([&] { common::loadVehicle(path); });
+  if (taken([&] { scene::isScene(path); })) {
+    taken([&] { scene::loadScene(path); });
+    taken([&] { vehicle::loadVehicle(path); });
   }
   return 0;
 }

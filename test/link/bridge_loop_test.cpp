@@ -40,18 +40,19 @@ TEST(BridgeLoop, StaysWithinTheControllersRate) {
 TEST(BridgeLoop, UnsafeControllersAreRefusedUnlessAllowedByName) {
   struct Case {
     const char* name;
-    std::function<void(StandinSettings&)> spoil;
+    std::function<void(standin::StandinSettings&)> spoil;
   };
-  const std::vector<Case> cases = {{"failsafe-procedure", [](StandinSettings& s) { s.failsafe.procedure = 0; }},
-                                   {"failsafe-delay", [](StandinSettings& s) { s.failsafe.delay = 3.0; }},
-                                   {"rx-map", [](StandinSettings& s) { s.rx_map.map = {0, 1, 2, 3, 4, 5, 6, 7}; }},
-                                   {"api-version", [](StandinSettings& s) { s.api.minor = 43; }},
-                                   {"controller", [](StandinSettings& s) {
-                                      s.variant = {'C', 'L', 'F', 'L'};
-                                    }}};
+  const std::vector<Case> cases = {
+      {"failsafe-procedure", [](standin::StandinSettings& s) { s.failsafe.procedure = 0; }},
+      {"failsafe-delay", [](standin::StandinSettings& s) { s.failsafe.delay = 3.0; }},
+      {"rx-map", [](standin::StandinSettings& s) { s.rx_map.map = {0, 1, 2, 3, 4, 5, 6, 7}; }},
+      {"api-version", [](standin::StandinSettings& s) { s.api.minor = 43; }},
+      {"controller", [](standin::StandinSettings& s) {
+         s.variant = {'C', 'L', 'F', 'L'};
+       }}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    StandinSettings standin = Simulation::quickStandin();
+    standin::StandinSettings standin = Simulation::quickStandin();
     c.spoil(standin);
     Simulation refused(standin);
     refused.run(1.5);

@@ -8,7 +8,7 @@
 #include "link/loop_simulation.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/controller_check.h"
-#include "snapwing/link/standin_wrong.h"
+#include "snapwing/standin/standin_wrong.h"
 
 namespace snapwing::link {
 namespace {
@@ -42,9 +42,9 @@ const std::map<std::string, Expected> EXPECTED = {
 };
 
 /// Answers of a stand-in, as the bridge reads them.
-ControllerAnswers answersOf(const StandinSettings& settings) {
-  StandinController fc(settings, 0.0);
-  StandinMsp port(fc, 0.0);
+ControllerAnswers answersOf(const standin::StandinSettings& settings) {
+  standin::StandinController fc(settings, 0.0);
+  standin::StandinMsp port(fc, 0.0);
   ControllerAnswers answers;
   MspParser parser;
   double now = 0;
@@ -60,11 +60,11 @@ ControllerAnswers answersOf(const StandinSettings& settings) {
 }
 
 TEST(ControllerChecks, EveryWrongConfigurationIsNamedWithItsMend) {
-  ASSERT_GE(wrongConfigurations().size(), 12U);
-  for (const std::string& name : wrongConfigurations()) {
+  ASSERT_GE(standin::wrongConfigurations().size(), 12U);
+  for (const std::string& name : standin::wrongConfigurations()) {
     SCOPED_TRACE(name);
-    StandinSettings settings;
-    setWrongly(name, settings);
+    standin::StandinSettings settings;
+    standin::setWrongly(name, settings);
     const ControllerAnswers answers = answersOf(settings);
     ASSERT_TRUE(answers.complete());
     const Expected& expected = EXPECTED.at(name);
@@ -80,10 +80,10 @@ TEST(ControllerChecks, EveryWrongConfigurationIsNamedWithItsMend) {
 }
 
 TEST(ControllerChecks, EveryWrongConfigurationIsNeverArmed) {
-  for (const std::string& name : wrongConfigurations()) {
+  for (const std::string& name : standin::wrongConfigurations()) {
     SCOPED_TRACE(name);
-    StandinSettings settings = Simulation::quickStandin();
-    setWrongly(name, settings);
+    standin::StandinSettings settings = Simulation::quickStandin();
+    standin::setWrongly(name, settings);
     Simulation s(settings);
     s.run(1.5);
     EXPECT_FALSE(s.bridge->core().status().controller.known);
@@ -110,8 +110,8 @@ TEST(ControllerChecks, EachCanBeAllowedByItsNameOrSaysThatItCannot) {
   EXPECT_THROW(allowedBit("everything"), common::SettingError);
   EXPECT_THROW(allowedBit(""), common::SettingError);
   for (const char* name : {"rxfail-throttle-hold", "feature-3d", "arm-aux2"}) {
-    StandinSettings settings;
-    setWrongly(name, settings);
+    standin::StandinSettings settings;
+    standin::setWrongly(name, settings);
     ControllerRules rules;
     rules.allowed = 1U << static_cast<int>(EXPECTED.at(name).check);
     EXPECT_EQ(firstFailed(answersOf(settings), rules), Check::NONE);
@@ -122,13 +122,13 @@ TEST(ControllerChecks, EachCanBeAllowedByItsNameOrSaysThatItCannot) {
 /// 4.3 to today's, by what they answer; a map of four bytes is a map.
 TEST(ControllerChecks, ReleasesAreAcceptedByWhatTheyAnswer) {
   for (const int minor : {44, 45, 46, 47, 48, 60}) {
-    StandinSettings settings = Simulation::quickStandin();
+    standin::StandinSettings settings = Simulation::quickStandin();
     settings.api.minor = minor;
     Simulation s(settings);
     s.arm();
     EXPECT_TRUE(s.fc.armed()) << minor;
   }
-  StandinSettings settings;
+  standin::StandinSettings settings;
   settings.rx_map.count = 4;
   EXPECT_EQ(firstFailed(answersOf(settings), {}), Check::NONE);
   settings.rx_map.map = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -187,7 +187,7 @@ TEST(ControllerChecks, SlowAnswersAreCalledSlow) {
 }
 
 TEST(ControllerChecks, SettingsSurviveTheWire) {
-  StandinSettings settings;
+  standin::StandinSettings settings;
   settings.features = 0xF0C01234;
   settings.rx_config = {1100, 1850, 900, 2100};
   settings.throttle_limit = {ThrottleLimitType::CLIP, 55};

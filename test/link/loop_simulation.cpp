@@ -51,14 +51,14 @@ void PipeTransport::unplug() {
   close();
 }
 
-Simulation::Simulation(const StandinSettings& standin, const BridgeSettings& settings,
+Simulation::Simulation(const standin::StandinSettings& standin, const BridgeSettings& settings,
                        const std::set<std::string>& allowed)
     : fc(standin, now), port(fc, now), bridge_settings_(settings), allowed_(allowed) {
   restartBridge();
 }
 
-StandinSettings Simulation::quickStandin() {
-  StandinSettings settings;
+standin::StandinSettings Simulation::quickStandin() {
+  standin::StandinSettings settings;
   settings.boot_grace = 0.6;
   return settings;
 }

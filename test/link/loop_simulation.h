@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "snapwing/link/bridge_loop.h"
-#include "snapwing/link/standin_controller.h"
+#include "snapwing/standin/standin_controller.h"
 
 namespace snapwing::link::test {
 
@@ -41,9 +41,9 @@ class PipeTransport : public Transport {
 /// Operator, bridge, line and controller. Any part can be left out for a while.
 class Simulation {
  public:
-  explicit Simulation(const StandinSettings& fc = quickStandin(), const BridgeSettings& bridge = {},
+  explicit Simulation(const standin::StandinSettings& fc = quickStandin(), const BridgeSettings& bridge = {},
                       const std::set<std::string>& allowed = {});
-  static StandinSettings quickStandin();
+  static standin::StandinSettings quickStandin();
 
   /// Lets time pass; calls `each` every millisecond.
   void run(double seconds, const std::function<void()>& each = {});
@@ -64,8 +64,8 @@ class Simulation {
   std::int64_t pulse_id = 0;
 
   PipeTransport line;
-  StandinController fc;
-  StandinMsp port;
+  standin::StandinController fc;
+  standin::StandinMsp port;
   std::unique_ptr<BridgeLoop> bridge;
   int highest_motor = 0;  ///< since last set to 0
 

@@ -92,16 +92,16 @@ TEST(Mixed, RefusedBeyondItsBoundAndWhenNotAllowed) {
 /// Stand-in alone: a pilot's stream at 100 Hz, frames of the computer when asked for.
 class Override : public ::testing::Test {
  protected:
-  static StandinSettings settings(double hold = 1e18) {
-    StandinSettings settings = Simulation::quickStandin();
+  static standin::StandinSettings settings(double hold = 1e18) {
+    standin::StandinSettings settings = Simulation::quickStandin();
     settings.override_mask = THROTTLE_AND_PITCH;
     settings.override_hold = hold;
     return settings;
   }
-  void fly(StandinController& fc, double seconds, const Channels& pilot) {
+  void fly(standin::StandinController& fc, double seconds, const Channels& pilot) {
     for (const double end = now_ + seconds; now_ < end; now_ += 0.01) fc.onPilotFrame(pilot, now_);
   }
-  void arm(StandinController& fc) {
+  void arm(standin::StandinController& fc) {
     fly(fc, 1.0, sticks(1000, false, false));
     fly(fc, 0.2, sticks(1000, true, false));
     ASSERT_TRUE(fc.armed());
@@ -111,7 +111,7 @@ class Override : public ::testing::Test {
 };
 
 TEST_F(Override, OnlyMaskedChannelsAndOnlyWhileTheSwitchIsHeld) {
-  StandinController fc(settings(), now_);
+  standin::StandinController fc(settings(), now_);
   arm(fc);
   Channels from_computer = computer(1700);
   from_computer.us[ROLL] = 1900;
@@ -133,7 +133,7 @@ TEST_F(Override, OnlyMaskedChannelsAndOnlyWhileTheSwitchIsHeld) {
 
 /// The danger that docs/safety.md names: nothing but the pilot's switch ends the last value of a dead computer.
 TEST_F(Override, DeadComputersLastValueStaysUntilThePilotLetsGo) {
-  StandinController fc(settings(), now_);
+  standin::StandinController fc(settings(), now_);
   arm(fc);
   fc.onFrame(computer(1700), now_);
   fly(fc, 10.0, sticks(1000, true, true));
@@ -144,7 +144,7 @@ TEST_F(Override, DeadComputersLastValueStaysUntilThePilotLetsGo) {
 }
 
 TEST_F(Override, ReleasesThatAgeTheValueGiveTheSticksBack) {
-  StandinController fc(settings(0.3), now_);
+  standin::StandinController fc(settings(0.3), now_);
   arm(fc);
   fc.onFrame(computer(1700), now_);
   const double sent = now_;
@@ -155,7 +155,7 @@ TEST_F(Override, ReleasesThatAgeTheValueGiveTheSticksBack) {
 }
 
 TEST_F(Override, LostReceiverIsNotKeptAliveByTheComputer) {
-  StandinController fc(settings(), now_);
+  standin::StandinController fc(settings(), now_);
   arm(fc);
   fly(fc, 0.1, sticks(1000, true, true));
   const double last = now_;
@@ -169,7 +169,7 @@ TEST_F(Override, LostReceiverIsNotKeptAliveByTheComputer) {
 }
 
 TEST_F(Override, BeforeTheFirstFrameOfTheComputerThrottleIsLow) {
-  StandinController fc(settings(), now_);
+  standin::StandinController fc(settings(), now_);
   arm(fc);
   fly(fc, 0.1, sticks(1600, true, true));
   EXPECT_EQ(fc.motorMicroseconds(), IDLE_OUTPUT) << "why the bridge streams before the switch is thrown";
@@ -178,8 +178,8 @@ TEST_F(Override, BeforeTheFirstFrameOfTheComputerThrottleIsLow) {
 /// Bridge, stand-in and pilot together.
 class PilotAndBridge : public ::testing::Test {
  protected:
-  static StandinSettings standin(unsigned mask) {
-    StandinSettings settings = Simulation::quickStandin();
+  static standin::StandinSettings standin(unsigned mask) {
+    standin::StandinSettings settings = Simulation::quickStandin();
     settings.override_mask = mask;
     return settings;
   }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "snapwing/link/standin_controller.h"
+#include "snapwing/standin/standin_controller.h"
 
 namespace snapwing::link {
 namespace {
@@ -13,8 +13,8 @@ class Standin : public ::testing::Test {
   static constexpr double PERIOD = 0.02;
 
   explicit Standin(double boot_grace = 5.0) : fc_(settings(boot_grace), 0.0) {}
-  static StandinSettings settings(double boot_grace) {
-    StandinSettings s;
+  static standin::StandinSettings settings(double boot_grace) {
+    standin::StandinSettings s;
     s.boot_grace = boot_grace;
     return s;
   }
@@ -45,16 +45,16 @@ class Standin : public ::testing::Test {
     ASSERT_TRUE(fc_.armed());
   }
 
-  StandinController fc_;
+  standin::StandinController fc_;
   double now_ = 0;
 };
 
 TEST_F(Standin, FlagsAfterPowerOn) {
-  EXPECT_EQ(fc_.armingFlags(), FLAG_RXLOSS | FLAG_BOOTGRACE);
+  EXPECT_EQ(fc_.armingFlags(), standin::FLAG_RXLOSS | standin::FLAG_BOOTGRACE);
   stream(0.48, frame(1000, 1000));
-  EXPECT_TRUE(fc_.armingFlags() & FLAG_RXLOSS);
+  EXPECT_TRUE(fc_.armingFlags() & standin::FLAG_RXLOSS);
   stream(0.04, frame(1000, 1000));
-  EXPECT_EQ(fc_.armingFlags(), static_cast<std::uint32_t>(FLAG_BOOTGRACE));
+  EXPECT_EQ(fc_.armingFlags(), static_cast<std::uint32_t>(standin::FLAG_BOOTGRACE));
   stream(4.5, frame(1000, 1000));
   EXPECT_EQ(fc_.armingFlags(), 0U);
 }
@@ -102,7 +102,7 @@ TEST_F(Standin, SwitchBelowThresholdDoesNotArm) {
 TEST_F(Standin, SwitchOnAtFirstFrameMustBeOffOnce) {
   stream(7.0, frame(1000, 2000));
   EXPECT_FALSE(fc_.armed());
-  EXPECT_TRUE(fc_.armingFlags() & FLAG_NOT_DISARMED);
+  EXPECT_TRUE(fc_.armingFlags() & standin::FLAG_NOT_DISARMED);
   stream(0.1, frame(1000, 1000));
   EXPECT_EQ(fc_.armingFlags(), 0U);
   stream(0.1, frame(1000, 2000));
@@ -113,10 +113,10 @@ TEST_F(Standin, ThrottleHighWhenSwitched) {
   stream(6.0, frame(1000, 1000));
   stream(0.2, frame(1300, 2000));
   EXPECT_FALSE(fc_.armed());
-  EXPECT_EQ(fc_.armingFlags(), FLAG_THROTTLE | FLAG_ARMSWITCH);
+  EXPECT_EQ(fc_.armingFlags(), standin::FLAG_THROTTLE | standin::FLAG_ARMSWITCH);
   stream(0.5, frame(1000, 2000));
   EXPECT_FALSE(fc_.armed()) << "lowering the throttle alone does not arm";
-  EXPECT_EQ(fc_.armingFlags(), static_cast<std::uint32_t>(FLAG_ARMSWITCH));
+  EXPECT_EQ(fc_.armingFlags(), static_cast<std::uint32_t>(standin::FLAG_ARMSWITCH));
   stream(0.1, frame(1000, 1000));
   stream(0.1, frame(1000, 2000));
   EXPECT_TRUE(fc_.armed());
@@ -126,7 +126,7 @@ TEST_F(Standin, BootGraceAndSwitch) {
   stream(1.0, frame(1000, 1000));
   stream(5.0, frame(1000, 2000));  // switched during boot grace
   EXPECT_FALSE(fc_.armed());
-  EXPECT_TRUE(fc_.armingFlags() & FLAG_ARMSWITCH);
+  EXPECT_TRUE(fc_.armingFlags() & standin::FLAG_ARMSWITCH);
 }
 
 TEST_F(Standin, ThrottleScalingAsMeasured) {
@@ -184,9 +184,9 @@ TEST_F(Standin, StreamStops) {
   fc_.onFrame(frame(1500, 2000), now_);
   const double last = now_;
   silence(0.09);
-  EXPECT_FALSE(fc_.armingFlags() & FLAG_RXLOSS);
+  EXPECT_FALSE(fc_.armingFlags() & standin::FLAG_RXLOSS);
   silence(0.02);
-  EXPECT_TRUE(fc_.armingFlags() & FLAG_RXLOSS);
+  EXPECT_TRUE(fc_.armingFlags() & standin::FLAG_RXLOSS);
   while (now_ - last < 0.2995) {
     silence(0.001);
     ASSERT_EQ(fc_.motorMicroseconds(), 1509) << now_ - last;
@@ -202,7 +202,7 @@ TEST_F(Standin, StreamStops) {
   EXPECT_FALSE(fc_.armed());
   EXPECT_TRUE(fc_.failsafe());
   EXPECT_EQ(fc_.motorMicroseconds(), 1000);
-  EXPECT_EQ(fc_.armingFlags(), FLAG_FAILSAFE | FLAG_RXLOSS);
+  EXPECT_EQ(fc_.armingFlags(), standin::FLAG_FAILSAFE | standin::FLAG_RXLOSS);
 }
 
 /// Measured: idle 319 to 337 ms after the last frame, in 5 % of cases 418 to 432 ms.
@@ -232,10 +232,10 @@ TEST_F(Standin, TimesToIdleAfterTheLastFrame) {
 
 /// iNav keeps full throttle for up to 0.92 s after a kill.
 TEST_F(Standin, InavHoldsLonger) {
-  StandinSettings settings;
+  standin::StandinSettings settings;
   settings.boot_grace = 0.6;
   settings.becomeInav();
-  StandinController inav(settings, now_);
+  standin::StandinController inav(settings, now_);
   const auto send = [&](int throttle, int aux1, int frames) {
     for (; frames > 0; --frames) {
       inav.onFrame(frame(throttle, aux1), now_);
@@ -255,10 +255,10 @@ TEST_F(Standin, InavHoldsLonger) {
 /// rxfail on HOLD or SET: throttle stays until the second stage.
 TEST_F(Standin, RxFailOnHoldOrSetKeepsThrottle) {
   for (const RxFailMode mode : {RxFailMode::HOLD, RxFailMode::SET}) {
-    StandinSettings settings;
+    standin::StandinSettings settings;
     settings.boot_grace = 0.6;
     settings.rxfail.channels[3] = {mode, 1700};
-    StandinController fc(settings, now_);
+    standin::StandinController fc(settings, now_);
     const auto send = [&](int throttle, int aux1, int frames) {
       for (; frames > 0; --frames) {
         fc.onFrame(frame(throttle, aux1), now_);
@@ -278,14 +278,14 @@ TEST_F(Standin, RxFailOnHoldOrSetKeepsThrottle) {
 
 TEST_F(Standin, LimitsCutThePulse) {
   for (const bool motors : {true, false}) {
-    StandinSettings settings;
+    standin::StandinSettings settings;
     settings.boot_grace = 0.6;
     if (motors) {
       settings.motor_output_limit = 70;
     } else {
       settings.throttle_limit = {ThrottleLimitType::CLIP, 60};
     }
-    StandinController fc(settings, now_);
+    standin::StandinController fc(settings, now_);
     for (int k = 0; k < 100; ++k) {
       fc.onFrame(frame(k < 80 ? 1000 : 2000, k < 60 ? 1000 : 2000), now_);
       for (int i = 0; i < 20; ++i) fc.step(now_ += 0.001);
@@ -305,7 +305,7 @@ TEST_F(Standin, FailsafeClearsAfterASecondOfFrames) {
   EXPECT_FALSE(fc_.failsafe());
   stream(2.0, frame(1000, 2000));
   EXPECT_FALSE(fc_.armed());
-  EXPECT_EQ(fc_.armingFlags(), FLAG_NOT_DISARMED | FLAG_ARMSWITCH);
+  EXPECT_EQ(fc_.armingFlags(), standin::FLAG_NOT_DISARMED | standin::FLAG_ARMSWITCH);
   stream(0.1, frame(1000, 1000));
   EXPECT_EQ(fc_.armingFlags(), 0U);
   stream(0.2, frame(1000, 2000));
@@ -345,10 +345,10 @@ TEST_F(Standin, OneInvalidFlightChannelIdlesAndEndsInFailsafe) {
     bad.us[channel] = 2200;
     stream(0.26, bad);
     EXPECT_EQ(fc_.motorMicroseconds(), 1509);
-    EXPECT_FALSE(fc_.armingFlags() & FLAG_RXLOSS);
+    EXPECT_FALSE(fc_.armingFlags() & standin::FLAG_RXLOSS);
     stream(0.1, bad);
     EXPECT_EQ(fc_.motorMicroseconds(), 1070);
-    EXPECT_TRUE(fc_.armingFlags() & FLAG_RXLOSS);
+    EXPECT_TRUE(fc_.armingFlags() & standin::FLAG_RXLOSS);
     const Channels seen = fc_.seenChannels(now_);
     EXPECT_EQ(seen.us[0], 1500);
     EXPECT_EQ(seen.us[3], 885);
@@ -369,9 +369,9 @@ TEST_F(Standin, ShowsChannelsInItsOwnOrder) {
 }
 
 TEST(StandinMsp, ServesNinetySixCommandsASecondAndBuildsLag) {
-  StandinSettings settings;
-  StandinController fc(settings, 0.0);
-  StandinMsp port(fc, 0.0);
+  standin::StandinSettings settings;
+  standin::StandinController fc(settings, 0.0);
+  standin::StandinMsp port(fc, 0.0);
   std::array<std::uint8_t, 64> question{}, rc{};
   const std::size_t size = encodeMsp(request(MspVersion::V2, MSP_STATUS), question.data(), question.size());
   const std::size_t rc_size = encodeMsp(setRawRc(MspVersion::V2, safeChannels()), rc.data(), rc.size());
@@ -394,8 +394,8 @@ TEST(StandinMsp, ServesNinetySixCommandsASecondAndBuildsLag) {
 
 /// Measured: 60 frames at once overrun the buffer, and the last one is in force after 66 ms.
 TEST(StandinMsp, BurstOverrunsTheBuffer) {
-  StandinController fc(StandinSettings{}, 0.0);
-  StandinMsp port(fc, 0.0);
+  standin::StandinController fc(standin::StandinSettings{}, 0.0);
+  standin::StandinMsp port(fc, 0.0);
   std::array<std::uint8_t, 64> out{};
   for (int k = 0; k < 60; ++k) {
     Channels channels = safeChannels();
@@ -411,8 +411,8 @@ TEST(StandinMsp, BurstOverrunsTheBuffer) {
 }
 
 TEST(StandinMsp, RefusesUnknownCommandsAndStaysSilentOnBadChecksum) {
-  StandinController fc(StandinSettings{}, 0.0);
-  StandinMsp port(fc, 0.0);
+  standin::StandinController fc(standin::StandinSettings{}, 0.0);
+  standin::StandinMsp port(fc, 0.0);
   std::array<std::uint8_t, 64> bytes{};
   std::size_t size = encodeMsp(request(MspVersion::V1, 250), bytes.data(), bytes.size());
   port.receive(bytes.data(), size);

@@ -4,6 +4,7 @@
 #include "link/loop_simulation.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/lcm_messages.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::link {
 namespace {
@@ -15,7 +16,7 @@ struct Seen {
   int wire = 0, motor = 0;
 };
 Seen pulseSeen(const common::ThrottleScale& scale, double throttle) {
-  StandinSettings standin = Simulation::quickStandin();
+  standin::StandinSettings standin = Simulation::quickStandin();
   standin.min_check = standin.rx_config.min_check = static_cast<int>(scale.min_check);
   standin.motor_idle = static_cast<int>(scale.motor_idle);
   BridgeSettings settings;
@@ -33,11 +34,11 @@ TEST(ThrottleScale, TwentySevenLevelsReachTheMotorsAsPlanned) {
     const double throttle = level / 26.0;
     const Seen seen = pulseSeen({}, throttle);
     EXPECT_NEAR(seen.wire, common::throttleMicroseconds(common::ThrottleScale{}, throttle), 0.5) << level;
-    common::Radio radio;
+    vehicle::Radio radio;
     radio.throttle_low = 1000, radio.throttle_high = 2000, radio.min_check = 1050;
     radio.motor_idle = 1070, radio.motor_full = 2000;
     const double planned =
-        common::MOTOR_OFF + common::motorOutput(radio, throttle) * (radio.motor_full - common::MOTOR_OFF);
+        common::MOTOR_OFF + vehicle::motorOutput(radio, throttle) * (radio.motor_full - common::MOTOR_OFF);
     EXPECT_NEAR(seen.motor, planned, 2.0) << level << ": whole thousandths, rounded down";
   }
 }
@@ -50,7 +51,7 @@ TEST(ThrottleScale, AnotherVehiclesScaleReachesTheWire) {
 }
 
 TEST(ThrottleScale, ControllersOwnLowThrottleMustAgree) {
-  StandinSettings standin = Simulation::quickStandin();
+  standin::StandinSettings standin = Simulation::quickStandin();
   BridgeSettings settings;
   settings.throttle.min_check = 1100;
   Simulation s(standin, settings);

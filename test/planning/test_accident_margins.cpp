@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "snapwing/common/table_origin.h"
 #include "snapwing/planning/accident_margins.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "support/example_table.h"
 #include "support/paths.h"
 
@@ -19,7 +19,7 @@ const AccidentMargin& find(const std::vector<AccidentMargin>& list, const std::s
 }
 
 TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
-  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto list = accidentMargins(vehicle, snapwing::testing::exampleTable());
   // facts/physics.md: F survives 8.0 N of sudden thrust (hover needs 7.68), holds 3.9 of 4 N, inverted Q does not hold.
   // Its masses and damping are its own.
@@ -31,7 +31,7 @@ TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
   EXPECT_FALSE(find(list, "ring held inverted in Q").holds);
   // Below this speed the drag alone never takes Q away; above it the lag of the motors gives some time, in which drag
   // and gravity slow the climb.
-  const common::VehicleParameters p = common::realise(vehicle, snapwing::testing::exampleTable());
+  const vehicle::VehicleParameters p = vehicle::realise(vehicle, snapwing::testing::exampleTable());
   const double mass = p.ring_mass * p.centre_mass / (p.ring_mass + p.centre_mass);
   const double per_speed = mass * (p.ring_drag / p.ring_mass - p.centre_drag / p.centre_mass);
   const double still = std::sqrt(2.21 / per_speed);
@@ -43,7 +43,7 @@ TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
 }
 
 TEST(AccidentMargins, FollowTheForceScale) {
-  common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto soft = accidentMargins(vehicle, snapwing::testing::exampleTable());
   vehicle.arm.force_scale.value = 2.0;
   const auto stiff = accidentMargins(vehicle, snapwing::testing::exampleTable());
@@ -52,9 +52,9 @@ TEST(AccidentMargins, FollowTheForceScale) {
 }
 
 TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
-  const common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  const common::ForceTable table = snapwing::testing::exampleTable();
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle, common::armTableOf(vehicle));
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::ForceTable table = snapwing::testing::exampleTable();
+  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, vehicle::armTableOf(vehicle));
   const auto without = accidentMargins(vehicle, table), with = accidentMargins(vehicle, table, wing);
   EXPECT_GT(find(with, "sudden thrust in F").limit, 1.1 * find(without, "sudden thrust in F").limit);
   // Held upright, the wings' weight pulls the ring side down and the centre up: at the peak S g is carried too.

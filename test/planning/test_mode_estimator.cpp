@@ -4,27 +4,27 @@
 #include <random>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/pulse.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
+#include "snapwing/standin/plant.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "support/example_table.h"
 #include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
 
-using common::Mode;
+using vehicle::Mode;
 
 class EstimatorTest : public ::testing::Test {
  protected:
   EstimatorTest()
-      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
-        idle_(common::motorOutput(vehicle_.radio, 0.0)) {}
+        idle_(vehicle::motorOutput(vehicle_.radio, 0.0)) {}
 
   /// Runs the plant and feeds the estimator with a noisy, biased accelerometer at 200 Hz.
-  void run(dynamics::Plant& plant, ModeEstimator& estimator, double output, double length) {
+  void run(standin::Plant& plant, ModeEstimator& estimator, double output, double length) {
     std::normal_distribution<double> noise(0.1, 0.3);
     plant.setMotorOutputs({output, output, output, output});
     estimator.motorOutput(time_, output);
@@ -39,8 +39,8 @@ class EstimatorTest : public ::testing::Test {
     return mode == Mode::FIXED_WING ? e.probability_fixed_wing : e.probability_quadrotor;
   }
 
-  common::Vehicle vehicle_;
-  common::ForceTable table_;
+  vehicle::Vehicle vehicle_;
+  vehicle::ForceTable table_;
   double idle_;
   double time_ = 0;
   std::mt19937 random_{7};
@@ -50,12 +50,12 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
   for (const Mode told : {Mode::FIXED_WING, Mode::UNKNOWN}) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       time_ = 0;
-      dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed));
+      standin::Plant plant(vehicle_, table_, standin::drawParameters(vehicle_, table_, seed));
       plant.reset(Mode::FIXED_WING);
       ModeEstimator estimator(vehicle_, table_);
       estimator.reset(0.0, told);
       run(plant, estimator, idle_, 0.3);
-      run(plant, estimator, common::motorOutput(vehicle_.radio, 0.7), 0.17);
+      run(plant, estimator, vehicle::motorOutput(vehicle_.radio, 0.7), 0.17);
       run(plant, estimator, idle_, 0.8);
       ASSERT_EQ(plant.mode(), Mode::QUADROTOR);
       EXPECT_GT(estimator.estimate().probability_quadrotor, 0.95) << seed;
@@ -71,19 +71,19 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
 }
 
 TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, common::armTableOf(vehicle_));
-  dynamics::PlantSettings flight;
-  flight.mount = dynamics::PlantMount::FREE;
+  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle_, vehicle::armTableOf(vehicle_));
+  standin::PlantSettings flight;
+  flight.mount = standin::PlantMount::FREE;
   EstimatorSettings settings;
-  settings.mount = rom::Mount::FREE;
+  settings.mount = vehicle::Mount::FREE;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     time_ = 0;
-    dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed), flight, wing);
+    standin::Plant plant(vehicle_, table_, standin::drawParameters(vehicle_, table_, seed), flight, wing);
     plant.reset(Mode::FIXED_WING);
     ModeEstimator estimator(vehicle_, table_, settings, wing);
     estimator.reset(0.0, Mode::FIXED_WING);
     run(plant, estimator, idle_, 0.3);
-    run(plant, estimator, common::motorOutput(vehicle_.radio, 0.7), 0.22);
+    run(plant, estimator, vehicle::motorOutput(vehicle_.radio, 0.7), 0.22);
     run(plant, estimator, idle_, 0.8);
     ASSERT_EQ(plant.mode(), Mode::QUADROTOR);
     EXPECT_EQ(estimator.estimate().mode, Mode::QUADROTOR) << seed;
@@ -98,12 +98,12 @@ TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
 
 TEST_F(EstimatorTest, SeesASwitchThatDidNotHappen) {
   // The motors are told full pulses, but the vehicle's own parameters make it stay: a weak pulse, seen to fail.
-  dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, 3));
+  standin::Plant plant(vehicle_, table_, standin::drawParameters(vehicle_, table_, 3));
   plant.reset(Mode::FIXED_WING);
   ModeEstimator estimator(vehicle_, table_);
   estimator.reset(0.0, Mode::FIXED_WING);
   run(plant, estimator, idle_, 0.2);
-  run(plant, estimator, common::motorOutput(vehicle_.radio, 0.38), 0.3);
+  run(plant, estimator, vehicle::motorOutput(vehicle_.radio, 0.38), 0.3);
   run(plant, estimator, idle_, 0.8);
   ASSERT_EQ(plant.mode(), Mode::FIXED_WING);
   EXPECT_GT(estimator.estimate().probability_fixed_wing, 0.95);
@@ -113,7 +113,7 @@ TEST_F(EstimatorTest, KnowsNothingFromRestAlone) {
   // At rest both modes read the same: the estimate must not talk itself into one of them.
   for (const Mode truth : {Mode::FIXED_WING, Mode::QUADROTOR}) {
     time_ = 0;
-    dynamics::Plant plant(vehicle_, table_, common::realise(vehicle_, table_));
+    standin::Plant plant(vehicle_, table_, vehicle::realise(vehicle_, table_));
     plant.reset(truth);
     plant.grab();
     ModeEstimator estimator(vehicle_, table_);
@@ -162,10 +162,10 @@ TEST_F(EstimatorTest, ALastingForceIsNoTouch) {
 
 TEST_F(EstimatorTest, ThrustThatNeverCameIsNotASwitch) {
   // The frames say pulse, but no motor turns: what the readings show counts, and nobody is sure of F for it.
-  const double down = common::motorOutput(vehicle_.radio, 1.0);
+  const double down = vehicle::motorOutput(vehicle_.radio, 1.0);
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     time_ = 0;
-    dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed));
+    standin::Plant plant(vehicle_, table_, standin::drawParameters(vehicle_, table_, seed));
     plant.reset(Mode::QUADROTOR);
     ModeEstimator estimator(vehicle_, table_);
     estimator.reset(0.0, Mode::QUADROTOR);
@@ -216,7 +216,7 @@ TEST_F(EstimatorTest, WithoutReadingsNothingIsKnown) {
 }
 
 TEST_F(EstimatorTest, AGapEndsAllThatWasKnownAndCostsNothing) {
-  dynamics::Plant plant(vehicle_, table_, common::realise(vehicle_, table_));
+  standin::Plant plant(vehicle_, table_, vehicle::realise(vehicle_, table_));
   plant.reset(Mode::FIXED_WING);
   ModeEstimator estimator(vehicle_, table_);
   estimator.reset(0.0, Mode::FIXED_WING);

@@ -12,14 +12,14 @@
 namespace snapwing::planning {
 namespace {
 
-using common::Mode;
 using common::StampVerdict;
+using vehicle::Mode;
 
 /// A node's life: readings at 200 Hz, link statuses and updates at 50 Hz, both clocks under the test's hand.
 class ObserverTest : public ::testing::Test {
  protected:
   ObserverTest()
-      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         observer_(makeEstimator(), settingsWith(Mode::FIXED_WING)) {}
 
   ModeEstimator makeEstimator() const {
@@ -52,7 +52,7 @@ class ObserverTest : public ::testing::Test {
     EXPECT_NE(reason().find(words), std::string::npos) << reason();
   }
 
-  common::Vehicle vehicle_;
+  vehicle::Vehicle vehicle_;
   ModeObserver observer_;
   ModeReport report_;
   double now_ = 1000.0, steady_ = 5.0, reading_ = 0.0, output_ = 0.0, imu_late_ = 0.0;

@@ -3,31 +3,31 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/pulse_planner.h"
+#include "snapwing/standin/plant.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "support/example_table.h"
 #include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
 
-using common::Mode;
+using vehicle::Mode;
 
 class PlannerTest : public ::testing::Test {
  protected:
   PlannerTest()
-      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()) {
-    trial_.mount = rom::Mount::BOOM;
+    trial_.mount = vehicle::Mount::BOOM;
     quick_.search_samples = 16;
     quick_.verify_samples = 32;
     quick_.scan_throttles = quick_.scan_durations = 8;
     quick_.refine_evaluations = 15;
   }
-  common::Vehicle vehicle_;
-  common::ForceTable table_;
-  rom::Trial trial_;
+  vehicle::Vehicle vehicle_;
+  vehicle::ForceTable table_;
+  vehicle::Trial trial_;
   PlannerSettings quick_;
 };
 
@@ -53,31 +53,32 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   // The plant is other code with other integration; its vehicles are drawn from the same box.
   PlannerSettings settings;
   settings.verify_samples = 128;
-  const std::optional<common::WingTable> wing = common::wingTableOf(vehicle_, common::armTableOf(vehicle_));
+  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle_, vehicle::armTableOf(vehicle_));
   const PulsePlanner planner(vehicle_, table_, settings, wing);
-  const std::pair<Mode, rom::Mount> cases[] = {{Mode::FIXED_WING, rom::Mount::BOOM},  // wings act in flight only
-                                               {Mode::QUADROTOR, rom::Mount::BOOM},
-                                               {Mode::FIXED_WING, rom::Mount::FREE},
-                                               {Mode::QUADROTOR, rom::Mount::FREE}};
+  const std::pair<Mode, vehicle::Mount> cases[] = {
+      {Mode::FIXED_WING, vehicle::Mount::BOOM},  // wings act in flight only
+      {Mode::QUADROTOR, vehicle::Mount::BOOM},
+      {Mode::FIXED_WING, vehicle::Mount::FREE},
+      {Mode::QUADROTOR, vehicle::Mount::FREE}};
   for (const auto& [start, mount] : cases) {
     trial_.mount = mount;
-    dynamics::PlantSettings simulation;
-    if (mount == rom::Mount::FREE) simulation.mount = dynamics::PlantMount::FREE;
+    standin::PlantSettings simulation;
+    if (mount == vehicle::Mount::FREE) simulation.mount = standin::PlantMount::FREE;
     const TransitionPlan plan = planner.plan(start, trial_);
     ASSERT_TRUE(plan.accepted) << plan.reason;
-    const double idle = common::motorOutput(vehicle_.radio, 0.0);
-    const double high = common::motorOutput(vehicle_.radio, plan.pulse.throttle);
+    const double idle = vehicle::motorOutput(vehicle_.radio, 0.0);
+    const double high = vehicle::motorOutput(vehicle_.radio, plan.pulse.throttle);
     int switched = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-      dynamics::Plant plant(vehicle_, table_, dynamics::drawParameters(vehicle_, table_, seed), simulation, wing);
+      standin::Plant plant(vehicle_, table_, standin::drawParameters(vehicle_, table_, seed), simulation, wing);
       plant.reset(start);
       plant.setMotorOutputs({high, high, high, high});
       plant.advanceTo(plan.pulse.duration);
       plant.setMotorOutputs({idle, idle, idle, idle});
       plant.advanceTo(plan.pulse.duration + 1.5);
-      switched += plant.mode() == common::otherMode(start);
+      switched += plant.mode() == vehicle::otherMode(start);
     }
-    EXPECT_EQ(switched, 40) << common::modeName(start) << " " << rom::mountName(mount);
+    EXPECT_EQ(switched, 40) << vehicle::modeName(start) << " " << vehicle::mountName(mount);
   }
 }
 

@@ -12,7 +12,7 @@
 namespace snapwing::planning {
 namespace {
 
-using common::Mode;
+using vehicle::Mode;
 using Bridge = SwitchView::Bridge;
 using Outcome = SwitchOutcome;
 using State = SwitchState;

@@ -7,21 +7,21 @@
 
 #include "outside_force.h"
 #include "snapwing/common/error.h"
-#include "snapwing/common/pulse.h"
-#include "snapwing/dynamics/plant.h"
 #include "snapwing/planning/mode_estimator.h"
+#include "snapwing/standin/plant.h"
+#include "snapwing/vehicle/pulse.h"
 #include "support/paths.h"
 
 namespace snapwing::planning {
 namespace {
 
-using common::Mode;
+using vehicle::Mode;
 
 constexpr double READING = 0.005;  // [s]
 
 struct Tools {
-  common::Vehicle vehicle = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  common::ForceTable table = common::loadForceTable(vehicle.arm.table_file);
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::ForceTable table = vehicle::loadForceTable(vehicle.arm.table_file);
 };
 
 const Tools& tools() {
@@ -29,8 +29,8 @@ const Tools& tools() {
   return instance;
 }
 
-dynamics::PlantSettings hand(double share) {
-  dynamics::PlantSettings settings;
+standin::PlantSettings hand(double share) {
+  standin::PlantSettings settings;
   settings.hand_share_q = share;
   return settings;
 }
@@ -44,8 +44,8 @@ EstimatorSettings seeded(std::uint64_t seed) {
 /// A vehicle on the boom and what is believed of it.
 class Watched {
  public:
-  Watched(std::uint64_t seed, Mode start, const dynamics::PlantSettings& flight = {})
-      : plant_(tools().vehicle, tools().table, dynamics::drawParameters(tools().vehicle, tools().table, seed), flight),
+  Watched(std::uint64_t seed, Mode start, const standin::PlantSettings& flight = {})
+      : plant_(tools().vehicle, tools().table, standin::drawParameters(tools().vehicle, tools().table, seed), flight),
         estimator_(tools().vehicle, tools().table, seeded(seed)),
         random_(static_cast<std::mt19937::result_type>(seed)) {
     plant_.reset(start);
@@ -55,7 +55,7 @@ class Watched {
 
   /// Motors at a throttle for some time.
   void run(double throttle, double length) {
-    const double output = common::motorOutput(tools().vehicle.radio, throttle);
+    const double output = vehicle::motorOutput(tools().vehicle.radio, throttle);
     plant_.setMotorOutputs({output, output, output, output});
     estimator_.motorOutput(time_, output);
     for (const long count = std::lround(length / READING), begin = readings_; readings_ < begin + count;) {
@@ -75,14 +75,14 @@ class Watched {
     run(0.0, 1.0);
   }
 
-  dynamics::Plant& plant() { return plant_; }
+  standin::Plant& plant() { return plant_; }
   ModeEstimate estimate() const { return estimator_.estimate(); }
   int wrong() const { return wrong_; }  ///< readings after which the estimate was sure of the wrong mode
   int inside() const { return inside_; }
   int readings() const { return readings_; }
 
  private:
-  dynamics::Plant plant_;
+  standin::Plant plant_;
   ModeEstimator estimator_;
   std::mt19937 random_;
   double time_ = 0, bias_ = 0;
@@ -98,7 +98,7 @@ struct Sum {
     const Mode said = w.estimate().mode;
     changed += w.plant().mode() != start;
     right += said == w.plant().mode();
-    EXPECT_TRUE(said == Mode::UNKNOWN || said == w.plant().mode()) << common::modeName(said);
+    EXPECT_TRUE(said == Mode::UNKNOWN || said == w.plant().mode()) << vehicle::modeName(said);
     wrong += w.wrong();
     inside += w.inside();
     readings += w.readings();
@@ -149,7 +149,7 @@ TEST(TouchedEstimate, PushesThatSnapItAreSeen) {
       w.run(0.0, 1.5);
       sum.add(w, start);
     }
-    EXPECT_GE(sum.changed, SEEDS / 2) << common::modeName(start);
+    EXPECT_GE(sum.changed, SEEDS / 2) << vehicle::modeName(start);
     sum.check();
   }
 }
@@ -188,7 +188,7 @@ TEST(TouchedEstimate, ForcesHaveTheDistributionThatTheyAreSaidToHave) {
 TEST(TouchedEstimate, ParticlesStayWithinTheStops) {
   ModeEstimator estimator(tools().vehicle, tools().table);
   estimator.reset(0.0, Mode::FIXED_WING);
-  const common::Limits& limits = tools().vehicle.limits;
+  const vehicle::Limits& limits = tools().vehicle.limits;
   for (double t = READING; t < 1.0; t += READING) {
     estimator.accelerometer(t, -60.0);  // beyond the stop without one
     EXPECT_GE(estimator.estimate().travel, limits.travel_min);

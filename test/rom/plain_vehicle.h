@@ -10,8 +10,8 @@
 
 namespace snapwing::rom::testing {
 
-inline common::VehicleParameters plainParameters() {
-  common::VehicleParameters p;
+inline vehicle::VehicleParameters plainParameters() {
+  vehicle::VehicleParameters p;
   p.ring_mass = 0.383;
   p.centre_mass = 0.40;
   p.max_thrust = 35.6;
@@ -31,7 +31,7 @@ inline LumpedState inMotion() {
 
 /// Without loads and losses energy and momentum stay, over 50 s, to rounding.
 inline void expectInvariantsKept(const LumpedModel& model) {
-  const Trial trial;
+  const vehicle::Trial trial;
   LumpedState state = inMotion();
   const double energy = model.relativeEnergy(state, trial), speed = model.commonSpeed(state, trial);
   double drift = 0;

@@ -24,7 +24,7 @@ class Quartic : public Potential {
 
 /// Relative mass 1, thrust 2 F gives the force F on the relative motion, no lag to speak of, no losses.
 inline LumpedModel quarticModel(double force, double step = 1e-3, double damping = 0.0) {
-  common::VehicleParameters p;
+  vehicle::VehicleParameters p;
   p.ring_mass = p.centre_mass = 2.0;
   p.max_thrust = 2.0 * force;
   p.time_constant_up = p.time_constant_down = 1e-9;

@@ -12,7 +12,7 @@ namespace {
 using snapwing::testing::exampleTable;
 
 TEST(EnergySpline, ExactAtTheKnots) {
-  const common::ForceTable table = exampleTable();
+  const vehicle::ForceTable table = exampleTable();
   const EnergySpline spline(table, 1.1);
   for (std::size_t i = 0; i < table.travel.size(); ++i) {
     const PotentialSample s = spline.at(table.travel[i]);
@@ -96,7 +96,7 @@ TEST(EnergySpline, ErrorEstimateSeesACoarseTable) {
   // The closed form R = 100 sin(100 u): the estimate of a table with spacing h must bound the true error of this table,
   // and shrink when the table is refined.
   const auto make = [](int n) {
-    common::ForceTable t;
+    vehicle::ForceTable t;
     for (int i = 0; i <= n; ++i) {
       const double u = 0.08 * i / n;
       t.travel.push_back(u);
@@ -121,7 +121,7 @@ TEST(EnergySpline, ErrorEstimateSeesACoarseTable) {
 }
 
 TEST(EnergySpline, UnevenKnotsGiveTheSameCurve) {
-  common::ForceTable even = exampleTable(), uneven = even;
+  vehicle::ForceTable even = exampleTable(), uneven = even;
   const auto drop = [](auto& list, std::size_t k) { list.erase(list.begin() + static_cast<std::ptrdiff_t>(k)); };
   for (const std::size_t k : {70u, 41u, 22u}) {
     drop(uneven.travel, k), drop(uneven.force, k), drop(uneven.stiffness, k), drop(uneven.energy, k);
@@ -133,7 +133,7 @@ TEST(EnergySpline, UnevenKnotsGiveTheSameCurve) {
 }
 
 TEST(EnergySpline, RefusesBadTables) {
-  common::ForceTable table = exampleTable();
+  vehicle::ForceTable table = exampleTable();
   EXPECT_THROW(EnergySpline(table, -1.0), common::Error);
   table.travel[3] = table.travel[2];
   EXPECT_THROW(EnergySpline{table}, common::Error);

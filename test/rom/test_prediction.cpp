@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
+#include "snapwing/vehicle/vehicle.h"
 #include "support/example_table.h"
 #include "support/example_wing.h"
 #include "support/paths.h"
@@ -12,24 +12,24 @@
 namespace snapwing::rom {
 namespace {
 
-using common::Mode;
+using vehicle::Mode;
 
 class Prediction : public ::testing::Test {
  protected:
   Prediction()
-      : vehicle_(common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
+      : vehicle_(vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml")),
         table_(snapwing::testing::exampleTable()),
-        model_(LumpedModel::fromVehicle(vehicle_, table_, common::realise(vehicle_, table_), {},
+        model_(LumpedModel::fromVehicle(vehicle_, table_, vehicle::realise(vehicle_, table_), {},
                                         snapwing::testing::exampleTableWing(vehicle_))) {
-    trial_.mount = Mount::BOOM;
+    trial_.mount = vehicle::Mount::BOOM;
   }
   SnapPrediction predict(Mode start, double throttle, double duration) const {
     return model_.predict(start, {throttle, duration}, vehicle_.radio, trial_);
   }
-  common::Vehicle vehicle_;
-  common::ForceTable table_;
+  vehicle::Vehicle vehicle_;
+  vehicle::ForceTable table_;
   LumpedModel model_;
-  Trial trial_;
+  vehicle::Trial trial_;
 };
 
 TEST_F(Prediction, SwitchesAndMarginAgreeOverAGridOfPulses) {
@@ -42,7 +42,7 @@ TEST_F(Prediction, SwitchesAndMarginAgreeOverAGridOfPulses) {
         EXPECT_LE(p.least_travel, p.peak_travel);
         if (p.snapped) {
           ++switched;
-          EXPECT_EQ(p.end_mode, common::otherMode(start));
+          EXPECT_EQ(p.end_mode, vehicle::otherMode(start));
           EXPECT_GE(p.energy_margin, 0.0);
           EXPECT_TRUE(std::isfinite(p.snap_time));
         } else {
@@ -60,19 +60,19 @@ TEST_F(Prediction, MarginVanishesOnBothSidesOfEveryThreshold) {
   // While the motors slow down the barrier moves with the load: near a threshold the body rides on it without turning.
   struct Case {
     Mode start;
-    Mount mount;
+    vehicle::Mount mount;
     double throttle, low, high;  // [s] the outcome differs between these lengths
     bool wings = false;
   };
-  for (const Case& c : {Case{Mode::FIXED_WING, Mount::BOOM, 0.58, 0.06, 0.12},
-                        {Mode::FIXED_WING, Mount::BOOM, 1.0, 0.01, 0.1},
-                        {Mode::FIXED_WING, Mount::BOOM, 0.85, 0.6, 0.8},
-                        {Mode::FIXED_WING, Mount::FREE, 0.7, 0.02, 0.1},
-                        {Mode::QUADROTOR, Mount::BOOM, 1.0, 0.4, 0.6},
-                        {Mode::QUADROTOR, Mount::FREE, 0.7, 0.9, 1.0},
-                        {Mode::FIXED_WING, Mount::FREE, 0.7, 0.02, 0.15, true},
-                        {Mode::FIXED_WING, Mount::FREE, 1.0, 0.02, 0.15, true},
-                        {Mode::QUADROTOR, Mount::FREE, 1.0, 0.3, 0.7, true}}) {
+  for (const Case& c : {Case{Mode::FIXED_WING, vehicle::Mount::BOOM, 0.58, 0.06, 0.12},
+                        {Mode::FIXED_WING, vehicle::Mount::BOOM, 1.0, 0.01, 0.1},
+                        {Mode::FIXED_WING, vehicle::Mount::BOOM, 0.85, 0.6, 0.8},
+                        {Mode::FIXED_WING, vehicle::Mount::FREE, 0.7, 0.02, 0.1},
+                        {Mode::QUADROTOR, vehicle::Mount::BOOM, 1.0, 0.4, 0.6},
+                        {Mode::QUADROTOR, vehicle::Mount::FREE, 0.7, 0.9, 1.0},
+                        {Mode::FIXED_WING, vehicle::Mount::FREE, 0.7, 0.02, 0.15, true},
+                        {Mode::FIXED_WING, vehicle::Mount::FREE, 1.0, 0.02, 0.15, true},
+                        {Mode::QUADROTOR, vehicle::Mount::FREE, 1.0, 0.3, 0.7, true}}) {
     trial_.mount = c.mount;
     trial_.wings = c.wings;
     double low = c.low, high = c.high;
@@ -142,7 +142,7 @@ TEST_F(Prediction, StepHardlyMatters) {
 }
 
 TEST_F(Prediction, BoomOnlyMattersOnTheBoom) {
-  common::VehicleParameters p = model_.parameters();
+  vehicle::VehicleParameters p = model_.parameters();
   p.boom_mass *= 2;
   p.boom_drag *= 2;
   p.boom_friction *= 2;
@@ -150,15 +150,15 @@ TEST_F(Prediction, BoomOnlyMattersOnTheBoom) {
       LumpedModel::fromVehicle(vehicle_, table_, p, {}, snapwing::testing::exampleTableWing(vehicle_));
   EXPECT_NE(heavy.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel,
             model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel);
-  trial_.mount = Mount::FREE;
+  trial_.mount = vehicle::Mount::FREE;
   EXPECT_EQ(heavy.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel,
             model_.predict(Mode::FIXED_WING, 0.4, 0.2, trial_).peak_travel);
 }
 
 TEST_F(Prediction, LatencyDelaysAndNothingElse) {
-  common::VehicleParameters p = model_.parameters();
+  vehicle::VehicleParameters p = model_.parameters();
   p.latency = 0.0;
-  Trial rest;  // free and level, so that waiting changes nothing but the idle thrust's drift
+  vehicle::Trial rest;  // free and level, so that waiting changes nothing but the idle thrust's drift
   rest.initial_thrust_fraction = 0.0;
   const LumpedModel early = LumpedModel::fromVehicle(vehicle_, table_, p);
   p.latency = 0.2;
@@ -170,7 +170,7 @@ TEST_F(Prediction, LatencyDelaysAndNothingElse) {
 }
 
 TEST_F(Prediction, TellsWhenTheTableIsLeft) {
-  common::ForceTable cut = table_;
+  vehicle::ForceTable cut = table_;
   while (cut.travel.back() > 0.060) {
     cut.travel.pop_back(), cut.force.pop_back(), cut.stiffness.pop_back(), cut.energy.pop_back();
     cut.rotation.pop_back(), cut.min_det_f.pop_back(), cut.stable.pop_back(), cut.iterations.pop_back();
@@ -206,11 +206,11 @@ TEST_F(Prediction, RefusesNonsense) {
   EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, NAN), common::Error);
   trial_.gravity = NAN;
   EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, 0.2), common::Error);
-  trial_ = Trial{};
-  trial_.mount = Mount::HELD;
+  trial_ = vehicle::Trial{};
+  trial_.mount = vehicle::Mount::HELD;
   trial_.initial_speed = 1.0;
   EXPECT_THROW(predict(Mode::FIXED_WING, 0.5, 0.2), common::Error);
-  EXPECT_THROW(mountFromName("table"), common::Error);
+  EXPECT_THROW(vehicle::mountFromName("table"), common::Error);
 }
 
 }  // namespace

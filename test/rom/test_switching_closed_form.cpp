@@ -9,11 +9,11 @@
 namespace snapwing::rom {
 namespace {
 
-using common::Mode;
+using vehicle::Mode;
 constexpr double STATIC_LIMIT = 0.384900;
 
 bool passes(Mode start, double force, double duration) {
-  Trial trial;
+  vehicle::Trial trial;
   trial.horizon = 15.0;
   const SnapPrediction p = testing::quarticModel(force).predict(start, 1.0, duration, trial);
   return std::isfinite(p.snap_time);
@@ -64,7 +64,7 @@ TEST(QuarticSwitching, BackByStorageAndRebound) {
 
 TEST(QuarticSwitching, MarginChangesSignWhereTheOutcomeDoes) {
   // A little damping makes the end settle; the margin goes to zero from both sides of the threshold.
-  Trial trial;
+  vehicle::Trial trial;
   trial.horizon = 60.0;
   const auto predict = [&](double duration) {
     return testing::quarticModel(2.0 * STATIC_LIMIT, 1e-3, 0.3).predict(Mode::FIXED_WING, 1.0, duration, trial);

@@ -21,7 +21,7 @@ using testing::plainParameters;
 
 /// Arms that have mass, from a table with a point every quarter of a millimetre: its forces do not matter here.
 std::shared_ptr<const TravelInertia> heavyArms() {
-  common::ForceTable table;
+  vehicle::ForceTable table;
   table.arm_count = 4;
   table.mass = snapwing::testing::EXAMPLE_ARM_MASS;
   for (int i = -60; i <= 320; ++i) {
@@ -38,13 +38,13 @@ std::shared_ptr<const TravelInertia> heavyArms() {
   return std::make_shared<TravelInertia>(table);
 }
 
-LumpedModel winged(const common::VehicleParameters& p, const common::WingTable& wing,
+LumpedModel winged(const vehicle::VehicleParameters& p, const vehicle::WingTable& wing,
                    std::shared_ptr<const TravelInertia> arms = heavyArms()) {
   return LumpedModel(std::make_shared<EnergySpline>(snapwing::testing::exampleTable()), p, 0.0, LumpedSettings{},
                      std::make_shared<TravelInertia>(wing, p.wing_inertia, p.wing_friction), std::move(arms));
 }
 
-LumpedModel wingless(const common::VehicleParameters& p) {
+LumpedModel wingless(const vehicle::VehicleParameters& p) {
   return LumpedModel(std::make_shared<EnergySpline>(snapwing::testing::exampleTable()), p, 0.0, LumpedSettings{},
                      nullptr, heavyArms());
 }
@@ -71,10 +71,10 @@ TEST(TravelInertia, InterpolatesWithinItsTableAndIsTheSlopeOfItsMoment) {
 }
 
 TEST(TravelInertia, RefusesATableWithoutABladeAndBadScales) {
-  common::WingTable bare = snapwing::testing::exampleWing();
+  vehicle::WingTable bare = snapwing::testing::exampleWing();
   bare.kinetic_mass.clear();
   EXPECT_THROW(TravelInertia{bare}, common::Error);
-  common::WingTable negative = snapwing::testing::exampleWing();
+  vehicle::WingTable negative = snapwing::testing::exampleWing();
   negative.kinetic_mass[3] = -1e-3;
   EXPECT_THROW(TravelInertia{negative}, common::Error);
   EXPECT_THROW(TravelInertia(snapwing::testing::exampleWing(), 0.0, 1.0), common::Error);
@@ -108,8 +108,8 @@ TEST(Winged, KeepsEnergyAndMomentumWithoutLoadsAndLosses) {
 
 TEST(Winged, KeepsEnergyWithTheRingHeldAgainstGravity) {
   const LumpedModel model = winged(plainParameters(), snapwing::testing::exampleWing());
-  Trial trial;
-  trial.mount = Mount::HELD;
+  vehicle::Trial trial;
+  trial.mount = vehicle::Mount::HELD;
   trial.gravity = 9.81;
   LumpedState state;
   state.travel = 0.020;
@@ -129,16 +129,16 @@ TEST(Winged, RunsBackwardsTheWayItCame) {
   const LumpedModel model = winged(plainParameters(), snapwing::testing::exampleWing());
   LumpedState state = inMotion();
   const LumpedState begin = state;
-  for (int i = 0; i < 300; ++i) state = model.step(state, 0.0, 1e-3, Trial{});
+  for (int i = 0; i < 300; ++i) state = model.step(state, 0.0, 1e-3, vehicle::Trial{});
   state.ring_speed = -state.ring_speed;
   state.centre_speed = -state.centre_speed;
-  for (int i = 0; i < 300; ++i) state = model.step(state, 0.0, 1e-3, Trial{});
+  for (int i = 0; i < 300; ++i) state = model.step(state, 0.0, 1e-3, vehicle::Trial{});
   EXPECT_NEAR(state.travel, begin.travel, 1e-9);
   EXPECT_NEAR(state.ring_speed, -begin.ring_speed, 1e-7);
 }
 
 TEST(Winged, SecondOrderInTime) {
-  common::VehicleParameters p = plainParameters();
+  vehicle::VehicleParameters p = plainParameters();
   p.damping = 3.0;
   p.ring_drag = 0.02;
   p.centre_drag = 0.005;
@@ -146,7 +146,7 @@ TEST(Winged, SecondOrderInTime) {
     const LumpedModel model = winged(p, snapwing::testing::exampleWing(1.0, 0.05));
     LumpedState state;
     state.travel = 0.002;
-    for (int i = 0; i < count; ++i) state = model.step(state, 0.4, 0.12 / count, Trial{});
+    for (int i = 0; i < count; ++i) state = model.step(state, 0.4, 0.12 / count, vehicle::Trial{});
     return state.travel;
   };
   const double exact = travelAfter(25600);
@@ -156,18 +156,18 @@ TEST(Winged, SecondOrderInTime) {
 }
 
 TEST(Winged, WithoutAnyMassIsThePlainModel) {
-  common::VehicleParameters p = plainParameters();
+  vehicle::VehicleParameters p = plainParameters();
   p.damping = 3.0;
   p.ring_drag = 0.02;
   p.centre_drag = 0.005;
   const LumpedModel weightless = winged(p, snapwing::testing::exampleWing(0.0), nullptr);
-  Trial with, without;
+  vehicle::Trial with, without;
   without.wings = false;
   with.gravity = without.gravity = 9.81;
-  for (const Mount mount : {Mount::FREE, Mount::HELD}) {
+  for (const vehicle::Mount mount : {vehicle::Mount::FREE, vehicle::Mount::HELD}) {
     with.mount = without.mount = mount;
     LumpedState a = inMotion(), b = inMotion();
-    if (mount == Mount::HELD) a.ring_speed = b.ring_speed = 0.0;
+    if (mount == vehicle::Mount::HELD) a.ring_speed = b.ring_speed = 0.0;
     for (int i = 0; i < 400; ++i) {
       a = weightless.step(a, 0.3, 1e-3, with);
       b = weightless.step(b, 0.3, 1e-3, without);
@@ -182,7 +182,7 @@ TEST(Winged, WithoutAnyMassIsThePlainModel) {
 
 /// Lagrange's equations in ring position and travel, written down anew, without the reduction to one coordinate.
 struct Lagrange {
-  common::VehicleParameters p;
+  vehicle::VehicleParameters p;
   double gravity = 0, friction = 0, thrust = 0, width = 0.02, wings = 1;
   EnergySpline arms{snapwing::testing::exampleTable()};
   using State = std::array<double, 4>;  // z, u, z', u'
@@ -210,7 +210,7 @@ struct Lagrange {
 /// Follows the model and Lagrange's equations side by side. @param travel  how close [m]
 void expectLagrange(const Lagrange& truth, const LumpedModel& model, double travel) {
   const double demand = truth.thrust / truth.p.max_thrust;
-  Trial trial;
+  vehicle::Trial trial;
   trial.gravity = truth.gravity;
   LumpedState state;
   state.travel = 0.001;
@@ -249,7 +249,7 @@ TEST(Winged, AgreesWithLagrangesEquationsInTwoCoordinates) {
 TEST(Winged, ActWhereTheTrialSaysSo) {
   const LumpedModel with = winged(plainParameters(), snapwing::testing::exampleWing());
   const LumpedModel without(std::make_shared<EnergySpline>(snapwing::testing::exampleTable()), plainParameters(), 0.0);
-  Trial trial;
+  vehicle::Trial trial;
   EXPECT_TRUE(with.wingsAct(trial));
   EXPECT_FALSE(without.wingsAct(trial));
   EXPECT_EQ(without.inertiaOf(trial), nullptr);
@@ -258,13 +258,13 @@ TEST(Winged, ActWhereTheTrialSaysSo) {
   EXPECT_NE(with.inertiaOf(trial), nullptr);  // the arms
   trial.wings = true;
   EXPECT_THROW(without.inertiaOf(trial), common::Error);
-  trial.mount = Mount::BOOM;
+  trial.mount = vehicle::Mount::BOOM;
   EXPECT_THROW(trial.validate(), common::Error);
   trial.wings.reset();
   EXPECT_FALSE(with.wingsAct(trial));
-  EXPECT_EQ(wingsName(wingsFromName("auto")), "auto");
-  EXPECT_EQ(wingsName(wingsFromName("on")), "on");
-  EXPECT_THROW(wingsFromName("yes"), common::Error);
+  EXPECT_EQ(vehicle::wingsName(vehicle::wingsFromName("auto")), "auto");
+  EXPECT_EQ(vehicle::wingsName(vehicle::wingsFromName("on")), "on");
+  EXPECT_THROW(vehicle::wingsFromName("yes"), common::Error);
 }
 
 TEST(WingedBasins, LieWhereTheLoadedForceVanishes) {
@@ -277,10 +277,10 @@ TEST(WingedBasins, LieWhereTheLoadedForceVanishes) {
       const auto balance = [&](double u) { return arms.at(u).force + felt * moved.at(u).coupled_mass - force; };
       const LoadedBarrier barrier = basins.barrierUnder(load);
       double f = 0, q = 0;
-      ASSERT_TRUE(basins.equilibrium(common::Mode::QUADROTOR, load, &q));
+      ASSERT_TRUE(basins.equilibrium(vehicle::Mode::QUADROTOR, load, &q));
       EXPECT_NEAR(balance(q), 0.0, 1e-9);
-      ASSERT_EQ(basins.equilibrium(common::Mode::FIXED_WING, load, &f), barrier.exists);
-      EXPECT_EQ(force < basins.limit(common::Mode::FIXED_WING, felt), barrier.exists);
+      ASSERT_EQ(basins.equilibrium(vehicle::Mode::FIXED_WING, load, &f), barrier.exists);
+      EXPECT_EQ(force < basins.limit(vehicle::Mode::FIXED_WING, felt), barrier.exists);
       if (!barrier.exists) {
         EXPECT_GT(barrier.excess, 0.0);
         continue;
@@ -290,8 +290,8 @@ TEST(WingedBasins, LieWhereTheLoadedForceVanishes) {
       EXPECT_LT(f, barrier.travel);
       EXPECT_LT(barrier.travel, q);
       EXPECT_GT(balance(barrier.travel - 1e-4), 0.0);  // falls through zero
-      EXPECT_EQ(barrier.sideOf(barrier.travel - 1e-6), common::Mode::FIXED_WING);
-      EXPECT_EQ(barrier.sideOf(barrier.travel + 1e-6), common::Mode::QUADROTOR);
+      EXPECT_EQ(barrier.sideOf(barrier.travel - 1e-6), vehicle::Mode::FIXED_WING);
+      EXPECT_EQ(barrier.sideOf(barrier.travel + 1e-6), vehicle::Mode::QUADROTOR);
       EXPECT_NEAR(basins.barrierUnder(load, barrier.travel + 1e-3).travel, barrier.travel, 1e-12);
     }
   }

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "snapwing/common/wing_table.h"
 #include "snapwing/ros/vehicle_picture.h"
+#include "snapwing/vehicle/wing_table.h"
 #include "support/paths.h"
 
 namespace snapwing::nodes {
@@ -36,8 +36,8 @@ TEST(Triangulation, LeavesHoleOutAndIgnoresOrientation) {
 
 class Picture : public testing::Test {
  protected:
-  common::Vehicle vehicle_ = common::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  common::ForceTable table_ = common::loadForceTable(vehicle_.arm.table_file);
+  vehicle::Vehicle vehicle_ = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::ForceTable table_ = vehicle::loadForceTable(vehicle_.arm.table_file);
   VehiclePicture picture_{vehicle_, table_, {}};
 };
 
@@ -66,7 +66,7 @@ TEST_F(Picture, NoStrainAtRestAndSomeInQuadrotorMode) {
 }
 
 TEST_F(Picture, DesignedWingsAreMirroredAndFoldAsTheTableSays) {
-  const common::WingTable wing = common::loadWingTable(vehicle_.wing.table_file);
+  const vehicle::WingTable wing = vehicle::loadWingTable(vehicle_.wing.table_file);
   ASSERT_TRUE(wing.hasBlade());
   picture_.useWing(wing);
   const auto tipOf = [&](double travel, int id) {

@@ -36,7 +36,7 @@ std::vector<Row> reference() {
   return rows;
 }
 
-ArmProblem makeArm(const ArmProblemSettings& settings, const common::ArmSettings& arm = testing::exampleArm()) {
+ArmProblem makeArm(const ArmProblemSettings& settings, const vehicle::ArmSettings& arm = testing::exampleArm()) {
   const mpm::DensityField design = mpm::loadDensityCsv(SOURCE + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
   return ArmProblem(arm, {5.5e6, 0.48, 1210}, design, settings);
 }
@@ -46,7 +46,7 @@ TEST(Arm, MeetsTheIndependentCurve) {
   settings.from = -0.005;
   settings.step = 0.002;
   const ArmCurve curve = traceArm(makeArm({}), settings);
-  ASSERT_EQ(curve.status, SolveStatus::CONVERGED) << curve.message;
+  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED) << curve.message;
   const std::vector<Row> rows = reference();
   ASSERT_EQ(rows.size(), 81u);
   // Same model: the reference is printed to six digits, .05 % of the peak leaves room for nothing but rounding of its
@@ -78,7 +78,7 @@ TEST(Arm, ForceAndStiffnessAreDerivatives) {
   ArmProblemSettings coarse;
   coarse.cell_size = 0.002;
   const ArmCurve curve = traceArm(makeArm(coarse), settings);
-  ASSERT_EQ(curve.status, SolveStatus::CONVERGED);
+  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED);
   const auto& t = curve.table;
   for (std::size_t k = 1; k + 1 < t.travel.size(); ++k) {
     const double width = t.travel[k + 1] - t.travel[k - 1];
@@ -110,7 +110,7 @@ TEST(Arm, PlaneStrainIsStiffer) {
   stress.cell_size = strain.cell_size = 0.002;
   strain.plane = elasticity::Plane::STRAIN;
   const ArmCurve a = traceArm(makeArm(stress), settings), b = traceArm(makeArm(strain), settings);
-  ASSERT_EQ(b.status, SolveStatus::CONVERGED) << b.message;
+  ASSERT_EQ(b.status, solver::SolveStatus::CONVERGED) << b.message;
   EXPECT_GT(b.table.force[2], 1.1 * a.table.force[2]);
 }
 
@@ -120,12 +120,12 @@ TEST(Arm, OneHugeStepEndsWithAnAnswerOrAReason) {
   settings.step = 0.08 / 3;
   settings.back = false;
   const ArmCurve curve = traceArm(makeArm({}), settings);
-  ASSERT_EQ(curve.status, SolveStatus::CONVERGED) << curve.message;
+  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED) << curve.message;
   EXPECT_NEAR(curve.table.force.back(), 15.426318, 5e-4);
 }
 
 TEST(Arm, RefusesPinOutsideAndEmptyClamp) {
-  common::ArmSettings arm = testing::exampleArm();
+  vehicle::ArmSettings arm = testing::exampleArm();
   arm.pin_x = 0.09;
   EXPECT_THROW(makeArm({}, arm), common::Error);
   arm = testing::exampleArm();
@@ -145,7 +145,7 @@ TEST(Arm, ImpossibleTravelIsReportedNotInvented) {
   ArmProblemSettings coarse;
   coarse.cell_size = 0.002;
   const ArmCurve curve = traceArm(makeArm(coarse), settings);
-  EXPECT_NE(curve.status, SolveStatus::CONVERGED);
+  EXPECT_NE(curve.status, solver::SolveStatus::CONVERGED);
   EXPECT_FALSE(curve.message.empty());
   for (const double f : curve.table.force) EXPECT_TRUE(std::isfinite(f));
 }

@@ -5,15 +5,15 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "snapwing/statics/conjugate_gradients.h"
+#include "snapwing/solver/conjugate_gradients.h"
 #include "snapwing/statics/predictor.h"
 
 namespace snapwing::statics {
 namespace {
 
 /// Springs in a row with stiffness k_c between neighbours, both ends held.
-SparsePattern springPattern(int n) {
-  SparsePattern pattern;
+solver::SparsePattern springPattern(int n) {
+  solver::SparsePattern pattern;
   pattern.size = n;
   pattern.start = {0};
   for (int c = 0; c < n; ++c) {
@@ -36,15 +36,15 @@ std::vector<double> springValues(int n, double change) {
 
 TEST(ConjugateGradients, SolveWithTheFactorOfANearbyMatrix) {
   const int n = 400;
-  const SparsePattern pattern = springPattern(n);
-  Cholesky cholesky(pattern);
+  const solver::SparsePattern pattern = springPattern(n);
+  solver::Cholesky cholesky(pattern);
   ASSERT_TRUE(cholesky.factorize(springValues(n, 0)));
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1, 2);
   Eigen::VectorXd x;
   int last = 0;
   for (const double change : {0.0, 0.01, 0.3}) {
     const std::vector<double> values = springValues(n, change);
-    const CgResult result = conjugateGradients(pattern, values, cholesky, b, 1e-10 * b.norm(), 60, x);
+    const solver::CgResult result = solver::conjugateGradients(pattern, values, cholesky, b, 1e-10 * b.norm(), 60, x);
     ASSERT_TRUE(result.converged) << change;
     EXPECT_LE((pattern.multiply(values, x) - b).norm(), 1.01e-10 * b.norm());
     EXPECT_GE(result.iterations, last);
@@ -53,13 +53,13 @@ TEST(ConjugateGradients, SolveWithTheFactorOfANearbyMatrix) {
   EXPECT_LT(last, 40);
   std::vector<double> indefinite = springValues(n, 0);
   for (double& value : indefinite) value = -value;
-  EXPECT_FALSE(conjugateGradients(pattern, indefinite, cholesky, b, 1e-10, 60, x).positive);
+  EXPECT_FALSE(solver::conjugateGradients(pattern, indefinite, cholesky, b, 1e-10, 60, x).positive);
 }
 
 TEST(Cholesky, DistanceIsThatOfTheLargestRelativeEigenvalue) {
   const int n = 60;
-  const SparsePattern pattern = springPattern(n);
-  Cholesky cholesky(pattern);
+  const solver::SparsePattern pattern = springPattern(n);
+  solver::Cholesky cholesky(pattern);
   EXPECT_TRUE(std::isinf(cholesky.distance(springValues(n, 0))));
   const std::vector<double> values = springValues(n, 0);
   ASSERT_TRUE(cholesky.factorize(values));
@@ -70,7 +70,7 @@ TEST(Cholesky, DistanceIsThatOfTheLargestRelativeEigenvalue) {
   // A matrix that has lost its definiteness is at least 1 away, and two steps must see most of it.
   std::vector<double> lost = values;
   for (int c = 0; c < n; ++c) lost[pattern.start[c]] -= 0.01;  // the softest eigenvalue is 2 - 2 cos(pi/61) = .0027
-  ASSERT_FALSE(Cholesky(pattern).factorize(lost));
+  ASSERT_FALSE(solver::Cholesky(pattern).factorize(lost));
   EXPECT_GT(cholesky.distance(lost), 1);
 }
 

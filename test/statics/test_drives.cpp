@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "jointed_truss.h"
+#include "scene/jointed_truss.h"
 #include "snapwing/statics/scene_curve.h"
 #include "support/derivative_check.h"
 #include "support/paths.h"
@@ -21,14 +21,15 @@ struct Case {
   double near, far;  ///< [m] travel in the first and in the second basin
 };
 
-Scene sceneOf(const Case& c) {
-  if (c.joint) return testing_scenes::jointedTruss(c.dimension, c.dimension == 2 ? "quadratic" : "linear_reduced", 1.0);
-  Scene scene = loadScene(SCENES + (c.dimension == 2 ? "snap_beam.yaml" : "arm_volumetric.yaml"));
+scene::Scene sceneOf(const Case& c) {
+  if (c.joint)
+    return scene::testing_scenes::jointedTruss(c.dimension, c.dimension == 2 ? "quadratic" : "linear_reduced", 1.0);
+  scene::Scene scene = scene::loadScene(SCENES + (c.dimension == 2 ? "snap_beam.yaml" : "arm_volumetric.yaml"));
   scene.cell_size = c.dimension == 2 ? 8e-4 : 5e-3;
   return scene;
 }
 
-PathResult trace(const CompiledScene& compiled, double to, int steps) {
+PathResult trace(const scene::CompiledScene& compiled, double to, int steps) {
   PathSettings settings;
   settings.newton.relative_tolerance = 1e-12;
   std::vector<double> targets;
@@ -43,14 +44,16 @@ class Drives : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
   const Case& c = GetParam();
-  Scene scene = sceneOf(c);
+  scene::Scene scene = sceneOf(c);
   std::vector<PathResult> paths;
-  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
+  for (const solver::Drive drive :
+       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
     scene.drive = drive;
-    const auto compiled = compileScene(scene, 1);
-    EXPECT_EQ(compiled->problem().tied() != nullptr, drive != Drive::ELIMINATION);
+    const auto compiled = scene::compileScene(scene, 1);
+    EXPECT_EQ(compiled->problem().tied() != nullptr, drive != solver::Drive::ELIMINATION);
     paths.push_back(trace(*compiled, c.far, 20));
-    ASSERT_EQ(paths.back().status, SolveStatus::CONVERGED) << driveName(drive) << ": " << paths.back().message;
+    ASSERT_EQ(paths.back().status, solver::SolveStatus::CONVERGED)
+        << solver::driveName(drive) << ": " << paths.back().message;
   }
   double largest = 0;
   bool second_basin = false;
@@ -73,29 +76,30 @@ TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
 
 TEST_P(Drives, TheReactionIsTheSlopeOfTheEnergy) {
   const Case& c = GetParam();
-  Scene scene = sceneOf(c);
-  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
+  scene::Scene scene = sceneOf(c);
+  for (const solver::Drive drive :
+       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
     scene.drive = drive;
-    const auto compiled = compileScene(scene, 1);
-    NewtonSettings newton;
+    const auto compiled = scene::compileScene(scene, 1);
+    solver::NewtonSettings newton;
     newton.relative_tolerance = 1e-11;  // displacements of 17 mm on .4 mm cells round to 4e-11 N
-    EquilibriumSolver solver(compiled->problem(), newton);
+    solver::EquilibriumSolver solver(compiled->problem(), newton);
     for (const double travel : {c.near, c.far}) {
       const PathResult path = trace(*compiled, travel, 20);
-      ASSERT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
-      Equilibrium x = solver.start(path.points.back().solution, travel);
+      ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED) << path.message;
+      solver::Equilibrium x = solver.start(path.points.back().solution, travel);
       x.multipliers = path.points.back().multipliers;
       ASSERT_TRUE(solver.minimise(x).converged());
       solver.settle(x);
       const auto energy = [&](double h) {
-        Equilibrium moved = solver.predict(x, travel + h);
-        const NewtonResult result = solver.minimise(moved);
+        solver::Equilibrium moved = solver.predict(x, travel + h);
+        const solver::NewtonResult result = solver.minimise(moved);
         EXPECT_TRUE(result.converged()) << result.message;
         return Eigen::VectorXd::Constant(1, moved.at.elastic_energy);
       };
       EXPECT_TRUE(
           snapwing::test::derivativeMatches(energy, Eigen::VectorXd::Constant(1, x.force()), 0.2 * c.near, 1e-6))
-          << driveName(drive) << " at " << travel;
+          << solver::driveName(drive) << " at " << travel;
     }
   }
 }
@@ -109,9 +113,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Drives,
 
 /// A joint whose bodies are driven by the same rigid plate says nothing new, whatever way it is imposed.
 TEST(Ties, AJointAtADrivenPortIsDropped) {
-  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
-    Scene scene = testing_scenes::jointedTruss(2, "linear", 1.0);
-    ScenePort other = scene.ports[0];
+  for (const solver::Drive drive :
+       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
+    scene::Scene scene = scene::testing_scenes::jointedTruss(2, "linear", 1.0);
+    scene::ScenePort other = scene.ports[0];
     other.body = 1;
     other.region.low(0) = other.region.high(0) = -1e-3;
     scene.ports.push_back(other);
@@ -120,19 +125,20 @@ TEST(Ties, AJointAtADrivenPortIsDropped) {
     scene.drive = drive;
     scene.to = 2e-3;
     scene.steps = 4;
-    const auto compiled = compileScene(scene, 1);
+    const auto compiled = scene::compileScene(scene, 1);
     const PathResult path = trace(*compiled, scene.to, 4);
-    ASSERT_EQ(path.status, SolveStatus::CONVERGED) << driveName(drive) << ": " << path.message;
+    ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED) << solver::driveName(drive) << ": " << path.message;
     static double first = path.points.back().force;
-    EXPECT_NEAR(path.points.back().force, first, 1e-8 * std::abs(first)) << driveName(drive);
+    EXPECT_NEAR(path.points.back().force, first, 1e-8 * std::abs(first)) << solver::driveName(drive);
   }
 }
 
 TEST(Ties, DriveNamesAreReadBack) {
-  for (const Drive drive : {Drive::ELIMINATION, Drive::AUGMENTED_LAGRANGIAN, Drive::MULTIPLIERS}) {
-    EXPECT_EQ(driveFromName(driveName(drive)), drive);
+  for (const solver::Drive drive :
+       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
+    EXPECT_EQ(solver::driveFromName(solver::driveName(drive)), drive);
   }
-  EXPECT_ANY_THROW(driveFromName("glue"));
+  EXPECT_ANY_THROW(solver::driveFromName("glue"));
 }
 
 }  // namespace

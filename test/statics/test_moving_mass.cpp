@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "scene_text.h"
+#include "scene/scene_text.h"
 #include "snapwing/elasticity/neo_hookean.h"
 #include "snapwing/statics/arm_problem.h"
 #include "support/example_arm.h"
@@ -32,11 +32,11 @@ TEST(MovingMass, TranslationAndRotationOfABlockAreInClosedForm) {
     shift.segment<2>(2 * node) << 0.6, -0.8;
     turn.segment<2>(2 * node) << -arm(1), arm(0);
   }
-  const MovingMass moved = movingMass<2>(solid, {1200}, shift, {0, 1});
+  const mpm::MovingMass moved = mpm::movingMass<2>(solid, {1200}, shift, {0, 1});
   EXPECT_NEAR(moved.mass, mass, 1e-15);
   EXPECT_NEAR(moved.kinetic, mass, 1e-15);
   EXPECT_NEAR(moved.coupled, -0.8 * mass, 1e-15);
-  const MovingMass turned = movingMass<2>(solid, {1200}, turn, {0, 1});
+  const mpm::MovingMass turned = mpm::movingMass<2>(solid, {1200}, turn, {0, 1});
   EXPECT_NEAR(turned.kinetic, mass * (0.04 * 0.04 + 0.02 * 0.02) / 12, 1e-18);
   EXPECT_NEAR(turned.coupled, 0, 1e-18);
 }
@@ -58,10 +58,10 @@ TEST(MovingMass, IsThatOfDifferencesAlongTheArmsPath) {
     for (const double at : {u - h, u, u + h}) targets.push_back(at);
     const PathResult path =
         PathFollower(arm.problem(), {}).follow(Eigen::VectorXd::Zero(arm.problem().freeCount()), targets);
-    EXPECT_EQ(path.status, SolveStatus::CONVERGED);
+    EXPECT_EQ(path.status, solver::SolveStatus::CONVERGED);
     const std::size_t n = path.points.size();
     const Eigen::VectorXd rate = (path.points[n - 1].solution - path.points[n - 3].solution) / (2 * h);
-    const MovingMass by_tangent = arm.movingMass(path.points[n - 2].slope), by_difference = arm.movingMass(rate);
+    const mpm::MovingMass by_tangent = arm.movingMass(path.points[n - 2].slope), by_difference = arm.movingMass(rate);
     EXPECT_LT(by_tangent.coupled, -0.15 * by_tangent.mass);
     EXPECT_LE(by_tangent.coupled * by_tangent.coupled, by_tangent.mass * by_tangent.kinetic);
     return std::max(std::abs(by_tangent.kinetic - by_difference.kinetic),
@@ -82,8 +82,8 @@ TEST(MovingMass, RidesWithTheCentreMostAtThePeak) {
   settings.step = 0.002;
   settings.back = false;
   const ArmCurve curve = traceArm(coarseArm(), settings);
-  ASSERT_EQ(curve.status, SolveStatus::CONVERGED) << curve.message;
-  const common::ForceTable& t = curve.table;
+  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED) << curve.message;
+  const vehicle::ForceTable& t = curve.table;
   EXPECT_NO_THROW(t.validate());
   EXPECT_EQ(t.kinetic_mass.size(), t.travel.size());
   const auto share = [&](double u) {
@@ -109,8 +109,9 @@ TEST(MovingMass, OfASceneIsThatOfTheWholeWhateverSymmetryIsUsed) {
            "ports:\n  - {name: ram, region: {y: [2, 2]}, direction: [0, -1, 0], cross_motion: free}\n"
            "path: {to: 0.2, steps: 4}\n";
   };
-  const SceneCurve whole = trace(sceneFromText(press("false"))), quarter = trace(sceneFromText(press("all")));
-  ASSERT_EQ(whole.path.status, SolveStatus::CONVERGED) << whole.path.message;
+  const SceneCurve whole = scene::trace(scene::sceneFromText(press("false"))),
+                   quarter = scene::trace(scene::sceneFromText(press("all")));
+  ASSERT_EQ(whole.path.status, solver::SolveStatus::CONVERGED) << whole.path.message;
   ASSERT_EQ(quarter.multiplicity, 4);
   const double mass = 1210 * 16e-9;
   for (std::size_t k = 0; k < whole.inertia.size(); ++k) {
@@ -121,7 +122,7 @@ TEST(MovingMass, OfASceneIsThatOfTheWholeWhateverSymmetryIsUsed) {
     EXPECT_NEAR(whole.inertia[k].coupled, -0.5 * mass, 1e-6 * mass);
     EXPECT_NEAR(quarter.inertia[k].coupled, -0.5 * mass, 1e-6 * mass);
   }
-  const common::ForceTable table = whole.table();
+  const vehicle::ForceTable table = whole.table();
   EXPECT_NO_THROW(table.validate());
   EXPECT_NEAR(table.coupled_mass.back(), -0.5 * mass, 1e-6 * mass);
 }

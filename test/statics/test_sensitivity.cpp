@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "snapwing/solver/sensitivity.h"
 #include "snapwing/statics/arm_problem.h"
-#include "snapwing/statics/sensitivity.h"
 #include "support/derivative_check.h"
 #include "support/example_arm.h"
 #include "support/paths.h"
@@ -12,8 +12,8 @@
 namespace snapwing::statics {
 namespace {
 
-common::ArmSettings armSettings() {
-  common::ArmSettings arm = testing::exampleArm();
+vehicle::ArmSettings armSettings() {
+  vehicle::ArmSettings arm = testing::exampleArm();
   arm.count = 1;
   return arm;
 }
@@ -31,7 +31,7 @@ mpm::DensityField design(double h) {
 struct Solved {
   std::unique_ptr<ArmProblem> arm;
   Eigen::VectorXd z, p;
-  Evaluation at;
+  solver::Evaluation at;
 };
 
 Solved solveAt(double travel, double h) {
@@ -44,10 +44,10 @@ Solved solveAt(double travel, double h) {
   for (int k = 0; k <= 12; ++k) targets.push_back(travel * k / 12);
   const PathResult path =
       PathFollower(s.arm->problem(), settings).follow(Eigen::VectorXd::Zero(s.arm->problem().freeCount()), targets);
-  EXPECT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
+  EXPECT_EQ(path.status, solver::SolveStatus::CONVERGED) << path.message;
   s.z = path.points.back().solution;
   s.p = Eigen::VectorXd::Constant(1, travel);
-  s.arm->problem().evaluate(s.z, s.p, Order::TANGENT, s.at);
+  s.arm->problem().evaluate(s.z, s.p, solver::Order::TANGENT, s.at);
   return s;
 }
 
@@ -73,9 +73,9 @@ class AdjointAt : public ::testing::TestWithParam<double> {};
 TEST_P(AdjointAt, MatchesDifferences) {
   const double travel = GetParam();
   const Solved s = solveAt(travel, 0);
-  Cholesky cholesky(s.arm->problem().pattern());
+  solver::Cholesky cholesky(s.arm->problem().pattern());
   ASSERT_TRUE(cholesky.factorize(s.at.hessian));
-  const Sensitivity<2> sensitivity(s.arm->problem(), cholesky, s.at);
+  const solver::Sensitivity<2> sensitivity(s.arm->problem(), cholesky, s.at);
   Eigen::VectorXd claimed(3);
   claimed << along(sensitivity.reaction(), *s.arm) / 1.0,
       along(sensitivity.displacement(functional(*s.arm)), *s.arm) * 1e2, along(sensitivity.energy(), *s.arm) * 1e2;
@@ -97,10 +97,10 @@ INSTANTIATE_TEST_SUITE_P(BothBasins, AdjointAt, ::testing::Values(0.006, 0.060))
 
 TEST(Sensitivity, VolumeIsTheMeasureOfCells) {
   const Solved s = solveAt(0.001, 0);
-  Cholesky cholesky(s.arm->problem().pattern());
+  solver::Cholesky cholesky(s.arm->problem().pattern());
   ASSERT_TRUE(cholesky.factorize(s.at.hessian));
   // 20 x 40 mm of 5 mm and 60 x 20 mm of 10 mm.
-  EXPECT_NEAR(Sensitivity<2>(s.arm->problem(), cholesky, s.at).volume().sum(), 4e-6 + 12e-6, 1e-12);
+  EXPECT_NEAR(solver::Sensitivity<2>(s.arm->problem(), cholesky, s.at).volume().sum(), 4e-6 + 12e-6, 1e-12);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "jointed_truss.h"
+#include "scene/jointed_truss.h"
 #include "snapwing/statics/features.h"
 #include "snapwing/statics/scene_curve.h"
 #include "support/paths.h"
@@ -28,9 +28,9 @@ struct SlenderBeam {
   /// Unit of force EI h/l^3 [N]
   static double unit() { return 5.5e6 * 0.01 * std::pow(THICKNESS, 3) / 12 * RISE / std::pow(SPAN, 3); }
   /// @param imperfection  second cosine, in rises
-  static Scene scene(SceneKernel kernel, int cells, double imperfection, double to, int count) {
-    Scene scene = loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
-    Box half;
+  static scene::Scene scene(scene::SceneKernel kernel, int cells, double imperfection, double to, int count) {
+    scene::Scene scene = scene::loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
+    scene::Box half;
     half.low(0) = 0;
     half.high(0) = 0.5 * SPAN;
     scene.bodies[0].material = {5.5e6, 0, 0};
@@ -44,16 +44,17 @@ struct SlenderBeam {
   }
 };
 
-SceneCurve trace(const Scene& scene, TraceMethod method) {
+SceneCurve trace(const scene::Scene& scene, TraceMethod method) {
   TraceSettings settings;
   settings.method = method;
-  return traceScene(scene, *compileScene(scene, 1), settings, {});
+  return traceScene(scene, *scene::compileScene(scene, 1), settings, {});
 }
 
 /// Exact elastica: the perfect beam bifurcates at 713.88 EI h/l^3, d/h = .2024, before its maximum of 892.87.
 TEST(Bifurcation, ThePerfectBeamBifurcatesBeforeItsMaximum) {
-  const SceneCurve curve = trace(SlenderBeam::scene(SceneKernel::QUADRATIC, 2, 0, 0.5, 10), TraceMethod::AUTOMATIC);
-  ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
+  const SceneCurve curve =
+      trace(SlenderBeam::scene(scene::SceneKernel::QUADRATIC, 2, 0, 0.5, 10), TraceMethod::AUTOMATIC);
+  ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
   ASSERT_EQ(curve.path.singular.size(), 1u);
   const SingularPoint& s = curve.path.singular[0];
   EXPECT_EQ(s.kind, SingularKind::BIFURCATION);
@@ -75,10 +76,10 @@ TEST(Bifurcation, ThePerfectBeamBifurcatesBeforeItsMaximum) {
 
 /// Elastica with an imperfection of 1e-4 h: zero force at d/h = 1.3330, valley -336.09.
 TEST(Bifurcation, PerturbationFollowsTheStableBranch) {
-  Scene scene = SlenderBeam::scene(SceneKernel::QUADRATIC, 1, 0, 2, 20);
+  scene::Scene scene = SlenderBeam::scene(scene::SceneKernel::QUADRATIC, 1, 0, 2, 20);
   scene.perturbation = 1e-2 * SlenderBeam::RISE;
   const SceneCurve curve = trace(scene, TraceMethod::AUTOMATIC);
-  ASSERT_EQ(curve.path.status, SolveStatus::CONVERGED) << curve.path.message;
+  ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
   ASSERT_GE(curve.path.singular.size(), 1u);
   EXPECT_TRUE(curve.path.singular[0].followed);
   double largest = 0;
@@ -87,29 +88,29 @@ TEST(Bifurcation, PerturbationFollowsTheStableBranch) {
     largest = std::max(largest, curve.multiplicity * p.force / SlenderBeam::unit());
   }
   EXPECT_LT(largest, 730);
-  const common::CurveFeatures f = common::curveFeatures(curve.table());
+  const vehicle::CurveFeatures f = vehicle::curveFeatures(curve.table());
   EXPECT_NEAR(f.barrier_travel / SlenderBeam::RISE, 1.3330, 0.01);
   EXPECT_NEAR(f.valley_force / SlenderBeam::unit(), -336.09, 0.1 * 336.09);  // one cell across
 }
 
 /// The perfect beam's own branch snaps back in the displacement near d/h = 1.6: no displacement control can follow it.
 TEST(Automatic, PassesTheSnapBackThatDisplacementControlCannot) {
-  const Scene scene = SlenderBeam::scene(SceneKernel::LINEAR_REDUCED, 1, 0, 2, 20);
-  const auto compiled = compileScene(scene, 1);
+  const scene::Scene scene = SlenderBeam::scene(scene::SceneKernel::LINEAR_REDUCED, 1, 0, 2, 20);
+  const auto compiled = scene::compileScene(scene, 1);
   AutomaticSettings settings;
   settings.arc_on_failure = false;
   settings.path.refuse_jumps = true;
   settings.path.locate_singular = false;
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(compiled->problem().freeCount());
   const PathResult stuck = followAutomatically(compiled->problem(), rest, steps(scene.to, 20), settings);
-  EXPECT_NE(stuck.status, SolveStatus::CONVERGED);
+  EXPECT_NE(stuck.status, solver::SolveStatus::CONVERGED);
   EXPECT_GT(stuck.halvings, 5);
   EXPECT_NE(stuck.message.find("halved"), std::string::npos) << stuck.message;
   ASSERT_FALSE(stuck.points.empty());
   EXPECT_GT(stuck.points.back().control, 1.4 * SlenderBeam::RISE);
   settings.arc_on_failure = true;
   const PathResult whole = followAutomatically(compiled->problem(), rest, steps(scene.to, 20), settings);
-  ASSERT_EQ(whole.status, SolveStatus::CONVERGED) << whole.message;
+  ASSERT_EQ(whole.status, solver::SolveStatus::CONVERGED) << whole.message;
   EXPECT_EQ(whole.points.back().control, scene.to);
   EXPECT_GE(turningPoints(whole.points).size(), 2u);
   ASSERT_GE(whole.account.size(), 2u);  // what failed, and what passed
@@ -123,29 +124,29 @@ TEST(Automatic, TrussOnASoftSpring) {
   settings.arc_on_failure = false;
   settings.path.refuse_jumps = true;
   const PathResult stuck = followAutomatically(truss, Eigen::VectorXd::Zero(1), steps(1.2, 60), settings);
-  EXPECT_NE(stuck.status, SolveStatus::CONVERGED);
+  EXPECT_NE(stuck.status, solver::SolveStatus::CONVERGED);
   EXPECT_LT(stuck.points.back().control, 0.7);
   settings.arc_on_failure = true;
   const PathResult whole = followAutomatically(truss, Eigen::VectorXd::Zero(1), steps(1.2, 60), settings);
-  ASSERT_EQ(whole.status, SolveStatus::CONVERGED) << whole.message;
+  ASSERT_EQ(whole.status, solver::SolveStatus::CONVERGED) << whole.message;
   for (const PathPoint& p : whole.points) EXPECT_NEAR(p.force, truss.apexForce(p.solution(0)), 1e-9);
   ASSERT_EQ(whole.singular.size(), 2u);
   for (const SingularPoint& s : whole.singular) {
     EXPECT_EQ(s.kind, SingularKind::LIMIT_POINT);
     EXPECT_GT(s.load_share, 0.99);
     // The control turns where the truss is as soft as the spring is stiff.
-    Evaluation at;
-    truss.evaluate(s.point.z, s.point.p, Order::TANGENT, at);
+    solver::Evaluation at;
+    truss.evaluate(s.point.z, s.point.p, solver::Order::TANGENT, at);
     EXPECT_NEAR(at.hessian[0], 0, 1e-8);
   }
   EXPECT_EQ(turningPoints(whole.points).size(), 2u);
 }
 
 TEST(Automatic, WithoutSupportNothingIsFollowed) {
-  Scene scene = testing_scenes::jointedTruss(2, "linear", 1);
+  scene::Scene scene = scene::testing_scenes::jointedTruss(2, "linear", 1);
   scene.pins.clear();
   const SceneCurve curve = trace(scene, TraceMethod::AUTOMATIC);
-  EXPECT_EQ(curve.path.status, SolveStatus::SINGULAR);
+  EXPECT_EQ(curve.path.status, solver::SolveStatus::SINGULAR);
 }
 
 TEST(Singular, LimitLoadOfTheTrussIsExact) {
@@ -169,10 +170,10 @@ TEST(Singular, LimitLoadOfTheTrussIsExact) {
 TEST(Features, AreExactOnTheTruss) {
   const Truss truss(0.25, 100);
   const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), steps(0.55, 22));
-  ASSERT_EQ(path.status, SolveStatus::CONVERGED);
-  NewtonSettings newton;
+  ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED);
+  solver::NewtonSettings newton;
   newton.relative_tolerance = 1e-11;
-  EquilibriumSolver solver(truss, newton);
+  solver::EquilibriumSolver solver(truss, newton);
   const std::vector<Feature> found = locateFeatures(solver, path.points);
   ASSERT_EQ(found.size(), 5u);  // start, peak, flat, valley, second state
   const FeatureKind kinds[] = {FeatureKind::ZERO, FeatureKind::PEAK, FeatureKind::ZERO, FeatureKind::VALLEY,
@@ -196,11 +197,11 @@ TEST(Features, DoNotDependOnTheDirection) {
     std::vector<double> way = steps(0.55, 22);
     for (double& u : way) u *= sign;
     PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), way);
-    ASSERT_EQ(path.status, SolveStatus::CONVERGED);
+    ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED);
     for (const bool back : {false, true}) {
       if (back) std::reverse(path.points.begin(), path.points.end());
       int lost = -1;
-      EquilibriumSolver solver(truss, {});
+      solver::EquilibriumSolver solver(truss, {});
       std::vector<Feature> found = locateFeatures(solver, path.points, &lost);
       if (back) std::reverse(found.begin(), found.end());
       ASSERT_EQ(found.size(), 5u);
@@ -214,17 +215,17 @@ TEST(Features, DoNotDependOnTheDirection) {
 
 /// On a solid, the located points agree with those of a path ten times finer.
 TEST(Features, DoNotDependOnThePath) {
-  Scene scene = loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
-  scene.kernel = SceneKernel::LINEAR_REDUCED;
+  scene::Scene scene = scene::loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
+  scene.kernel = scene::SceneKernel::LINEAR_REDUCED;
   scene.cell_size = 8e-4;
   std::vector<std::vector<Feature>> found;
   for (const int count : {28, 140}) {
     scene.steps = count;
-    const auto compiled = compileScene(scene, 1);
+    const auto compiled = scene::compileScene(scene, 1);
     const SceneCurve curve = traceScene(scene, *compiled, {}, {});
-    NewtonSettings newton;
+    solver::NewtonSettings newton;
     newton.relative_tolerance = 1e-12;
-    EquilibriumSolver solver(compiled->problem(), newton);
+    solver::EquilibriumSolver solver(compiled->problem(), newton);
     found.push_back(locateFeatures(solver, curve.path.points));
   }
   ASSERT_EQ(found[0].size(), 5u);

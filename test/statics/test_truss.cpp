@@ -22,7 +22,7 @@ TEST(Truss, LimitLoadIsTheClosedForm) {
     std::vector<double> targets;
     for (int k = 0; k <= 400; ++k) targets.push_back(2.2 * row.rise * k / 400);
     const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
-    ASSERT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
+    ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED) << path.message;
     double peak = 0, apex = 0, valley = 0;
     for (const PathPoint& p : path.points) {
       EXPECT_TRUE(p.stable);
@@ -41,7 +41,7 @@ TEST(Truss, StiffnessIsTheSlopeOfTheForce) {
   std::vector<double> targets;
   for (int k = 0; k <= 2000; ++k) targets.push_back(0.6 * k / 2000);
   const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
-  ASSERT_EQ(path.status, SolveStatus::CONVERGED);
+  ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED);
   for (std::size_t k = 1; k + 1 < path.points.size(); ++k) {
     const double slope = (path.points[k + 1].force - path.points[k - 1].force) / (targets[k + 1] - targets[k - 1]);
     EXPECT_NEAR(path.points[k].stiffness, slope, 2e-6);
@@ -55,7 +55,7 @@ TEST(Truss, SoftSpringSnapsToAStableState) {
   std::vector<double> targets;
   for (int k = 0; k <= 300; ++k) targets.push_back(1.5 * k / 300);
   const PathResult path = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
-  ASSERT_EQ(path.status, SolveStatus::CONVERGED) << path.message;
+  ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED) << path.message;
   double largest_jump = 0;
   for (std::size_t k = 1; k < path.points.size(); ++k) {
     EXPECT_TRUE(path.points[k].stable);
@@ -72,7 +72,7 @@ TEST(ArcLength, PassesBothLimitPointsOfTheLoadedTruss) {
   settings.largest_step = 2e-4;
   settings.end = 8e-3;
   const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
-  ASSERT_EQ(arc.path.status, SolveStatus::CONVERGED) << arc.path.message;
+  ASSERT_EQ(arc.path.status, solver::SolveStatus::CONVERGED) << arc.path.message;
   ASSERT_EQ(arc.limit_points.size(), 2u);
   EXPECT_EQ(arc.crossings.size(), 2u);
   double peak = 0, valley = 0;
@@ -99,7 +99,7 @@ TEST(ArcLength, FollowsADisplacementSnapBack) {
   settings.max_points = 3000;
   settings.end = 1.2;
   const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
-  ASSERT_EQ(arc.path.status, SolveStatus::CONVERGED) << arc.path.message;
+  ASSERT_EQ(arc.path.status, solver::SolveStatus::CONVERGED) << arc.path.message;
   EXPECT_EQ(arc.limit_points.size(), 2u);
   double largest_jump = 0;
   for (std::size_t k = 1; k < arc.path.points.size(); ++k) {
@@ -118,7 +118,7 @@ TEST(ArcLength, SaysWhenItRanOutOfPoints) {
   settings.max_points = 20;
   settings.end = 1.2;
   const ArcResult arc = followArc(truss, Eigen::VectorXd::Zero(1), 0, settings);
-  EXPECT_EQ(arc.path.status, SolveStatus::ITERATION_LIMIT);
+  EXPECT_EQ(arc.path.status, solver::SolveStatus::ITERATION_LIMIT);
   EXPECT_EQ(arc.path.points.size(), 20u);
 }
 
@@ -127,7 +127,7 @@ TEST(Truss, CancelStopsWithItsStatus) {
   PathSettings settings;
   settings.progress = [](int point) { return point == 3; };
   const PathResult path = PathFollower(truss, settings).follow(Eigen::VectorXd::Zero(1), {0, .1, .2, .3, .4, .5});
-  EXPECT_EQ(path.status, SolveStatus::CANCELLED);
+  EXPECT_EQ(path.status, solver::SolveStatus::CANCELLED);
   EXPECT_EQ(path.points.size(), 4u);
 }
 

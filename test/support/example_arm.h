@@ -1,12 +1,12 @@
 #pragma once
 /// The paper's arm: an L of 80 x 40 mm, four of them, bar twice as thick as the leg.
 
-#include "snapwing/common/vehicle.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::testing {
 
-inline common::ArmSettings exampleArm() {
-  common::ArmSettings arm;
+inline vehicle::ArmSettings exampleArm() {
+  vehicle::ArmSettings arm;
   arm.count = 4;
   arm.domain_length = 0.08;
   arm.domain_height = 0.04;

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
+#include "snapwing/vehicle/force_table.h"
 #include "support/paths.h"
 
 namespace snapwing::testing {
 
-inline common::ForceTable exampleTable() {
+inline vehicle::ForceTable exampleTable() {
   const std::string path = test::sourceDir() + "/test/data/arms/arm_curve_plane_stress.csv";
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path);
@@ -32,7 +32,7 @@ inline common::ForceTable exampleTable() {
     }
   }
   if (u.size() != 81) throw std::runtime_error(path + ": expected 81 rows");
-  common::ForceTable table;
+  vehicle::ForceTable table;
   table.arm_count = 4;
   // Slope and curvature at u = 0 from the first three points.
   const double h = u[1] - u[0];
@@ -83,8 +83,8 @@ inline double exampleArmKinetic(double u) {
 }
 
 /// The same curve with arms that have mass.
-inline common::ForceTable exampleTableWithMass() {
-  common::ForceTable table = exampleTable();
+inline vehicle::ForceTable exampleTableWithMass() {
+  vehicle::ForceTable table = exampleTable();
   table.mass = EXAMPLE_ARM_MASS;
   for (std::size_t i = 0; i < table.travel.size(); ++i) {
     table.kinetic_mass[i] = exampleArmKinetic(table.travel[i]);

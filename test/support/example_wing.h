@@ -2,8 +2,8 @@
 /// Wings with the inertia of a smooth hump, as large as the shipped ones': for tests of the dynamics alone; and the
 /// wings that were designed for the arm of exampleTable().
 
-#include "snapwing/common/table_origin.h"
-#include "snapwing/common/wing_table.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/wing_table.h"
 #include "support/example_table.h"
 #include "support/paths.h"
 
@@ -20,8 +20,8 @@ inline double exampleWingKinetic(double u) { return 0.03 + 0.6 * exampleHump(u);
 inline double exampleWingCoupled(double u) { return 0.10 * exampleHump(u); }
 
 /// @param mass  times the inertia above; @param friction  at the pins [N]
-inline common::WingTable exampleWing(double mass = 1.0, double friction = 0.0, int points = 321) {
-  common::WingTable t;
+inline vehicle::WingTable exampleWing(double mass = 1.0, double friction = 0.0, int points = 321) {
+  vehicle::WingTable t;
   for (int i = 0; i < points; ++i) {
     const double u = 0.08 * i / (points - 1);
     t.travel.push_back(u);
@@ -39,9 +39,9 @@ inline common::WingTable exampleWing(double mass = 1.0, double friction = 0.0, i
 
 /// Wings of the study's arm: `snapwing design wing` on the force table of data/arms/arris_x220_study.csv. Arm and wing
 /// of one design: held to each other as a vehicle's own are.
-inline common::WingTable exampleTableWing(const common::Vehicle& vehicle) {
-  common::WingTable wing = common::loadWingTable(test::sourceDir() + "/test/data/wings/arris_x220_study_wing.h5");
-  common::requireOrigin(wing, exampleTable(), vehicle);
+inline vehicle::WingTable exampleTableWing(const vehicle::Vehicle& vehicle) {
+  vehicle::WingTable wing = vehicle::loadWingTable(test::sourceDir() + "/test/data/wings/arris_x220_study_wing.h5");
+  vehicle::requireOrigin(wing, exampleTable(), vehicle);
   return wing;
 }
 

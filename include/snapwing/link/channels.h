@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "snapwing/common/pulse.h"
+#include "snapwing/common/throttle_scale.h"
 
 namespace snapwing::link {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::planning {
 
@@ -14,7 +14,7 @@ namespace snapwing::planning {
 struct AccidentMargin {
   std::string name;         ///< e.g. "sudden thrust in F"
   std::string explanation;  ///< one sentence
-  common::Mode mode = common::Mode::UNKNOWN;
+  vehicle::Mode mode = vehicle::Mode::UNKNOWN;
   std::string unit;    ///< "N", "m/s", ...
   double limit = 0;    ///< value at which the mode is lost; infinity = never within reach
   double occurs = 0;   ///< value met in use (hover thrust, weight, ...); NaN = up to the pilot
@@ -23,7 +23,7 @@ struct AccidentMargin {
 
 /// Nominal parameters, free flight unless said: sudden thrust from idle in F, hover thrust cut in Q, cut while climbing
 /// in Q (speed), ring held upright in F, inverted and held in Q, ring braked in Q (deceleration, slowly applied).
-std::vector<AccidentMargin> accidentMargins(const common::Vehicle& vehicle, const common::ForceTable& table,
-                                            const std::optional<common::WingTable>& wing = {});
+std::vector<AccidentMargin> accidentMargins(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                                            const std::optional<vehicle::WingTable>& wing = {});
 
 }  // namespace snapwing::planning

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/mode.h"
-#include "snapwing/common/vehicle.h"
 #include "snapwing/rom/lumped_model.h"
-#include "snapwing/rom/trial.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/mode.h"
+#include "snapwing/vehicle/trial.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::planning {
 
@@ -52,16 +52,16 @@ struct EstimatorSettings {
   double longest_gap = 1.0;
   double least_effective = 0.02;  ///< [1] share of the particles; fewer effective ones know nothing
   double sure = 0.95;             ///< [1] probability from which a mode counts as known
-  rom::Mount mount = rom::Mount::BOOM;
+  vehicle::Mount mount = vehicle::Mount::BOOM;
   double gravity = 0;         ///< [m/s2] against the thrust axis
-  std::optional<bool> wings;  ///< on or off, as in rom::Trial
+  std::optional<bool> wings;  ///< on or off, as in vehicle::Trial
   void validate() const;      ///< @throws common::Error naming the member
 };
 
 struct ModeEstimate {
   double time = 0;
   /// UNKNOWN unless one probability exceeds `sure`, and readings stand behind it
-  common::Mode mode = common::Mode::UNKNOWN;
+  vehicle::Mode mode = vehicle::Mode::UNKNOWN;
   std::string reason;  ///< why the mode is UNKNOWN; empty if it is known
   double probability_fixed_wing = 0.5;
   double probability_quadrotor = 0.5;
@@ -74,24 +74,24 @@ struct ModeEstimate {
   double lost = 0;                 ///< [1] probability that the vehicle is not where the particles are
 
   /// The mode that is the likelier one, by however little; F if both are equal.
-  common::Mode likelier() const {
-    return probability_quadrotor > probability_fixed_wing ? common::Mode::QUADROTOR : common::Mode::FIXED_WING;
+  vehicle::Mode likelier() const {
+    return probability_quadrotor > probability_fixed_wing ? vehicle::Mode::QUADROTOR : vehicle::Mode::FIXED_WING;
   }
   /// [m] u in one mode, as far as the particles know it, else the mean
-  double travelIn(common::Mode in) const;
+  double travelIn(vehicle::Mode in) const;
 };
 
 class ModeEstimator {
  public:
   /// @param wing  the vehicle's wings, if any
   /// @throws common::Error for bad settings or a table that is not bistable
-  ModeEstimator(const common::Vehicle& vehicle, const common::ForceTable& table, const EstimatorSettings& settings = {},
-                const std::optional<common::WingTable>& wing = {});
+  ModeEstimator(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                const EstimatorSettings& settings = {}, const std::optional<vehicle::WingTable>& wing = {});
   ~ModeEstimator();
   ModeEstimator(ModeEstimator&&) noexcept;
 
   /// Starts afresh at rest. @param initial  F or Q: somebody saw it; or UNKNOWN (half of the particles in each)
-  void reset(double time, common::Mode initial);
+  void reset(double time, vehicle::Mode initial);
 
   /// The vehicle is seen to stand still now (hand holds the ring): the particles' speeds along the axis become 0.
   void atRest();

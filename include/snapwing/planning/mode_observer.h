@@ -34,8 +34,8 @@ struct ObserverSettings {
   double hurry = 0.2;        ///< [s] 0.05 .. 2, of waiting readings from which they are worked through in coarse steps
   double most_behind = 0.6;  ///< [s] hurry .. 5, of waiting readings; older ones are skipped
   double idle_output = 0.1;  ///< [1] mean motor output above which the motors may have moved the vehicle
-  common::Mode stated = common::Mode::UNKNOWN;  ///< what the operator sees at the start
-  void validate() const;                        ///< @throws common::Error naming the member
+  vehicle::Mode stated = vehicle::Mode::UNKNOWN;  ///< what the operator sees at the start
+  void validate() const;                          ///< @throws common::Error naming the member
 };
 
 /// What can be told at one moment.
@@ -48,7 +48,7 @@ struct ModeReport {
 };
 
 /// The mode to draw: the likelier one, and the one drawn before as long as the odds are nearly even.
-common::Mode shownMode(common::Mode before, const ModeEstimate& estimate);
+vehicle::Mode shownMode(vehicle::Mode before, const ModeEstimate& estimate);
 
 class ModeObserver {
  public:
@@ -60,7 +60,7 @@ class ModeObserver {
   /// Mean motor output [0, 1] that acts from `stamp` + `delay` on, as a link status tells it.
   void motors(double stamp, double output, double delay, double now, double steady);
   /// Somebody sees the mode now: begins anew with it. UNKNOWN: begins anew knowing nothing.
-  void state(common::Mode mode);
+  void state(vehicle::Mode mode);
   /// Somebody sees the ring held still, or let go: until then the estimate's speeds are 0.
   void holdRing(bool held) { held_ = held; }
 
@@ -82,7 +82,7 @@ class ModeObserver {
   };
   /// @return false while there is no clock
   bool lookAtClock(double now, double steady);
-  void forget(const std::string& reason, common::Mode stated);
+  void forget(const std::string& reason, vehicle::Mode stated);
   void begin(double stamp);
   void feed(double until);
   double sinceOrigin(double stamp) const { return stamp - origin_; }
@@ -92,7 +92,7 @@ class ModeObserver {
   common::ClockWatch clock_;
   common::StampWatch reading_watch_, link_watch_;
   std::multimap<double, Input> inputs_;  ///< by the time from which they act
-  common::Mode stated_;
+  vehicle::Mode stated_;
   std::string why_;  ///< why nothing is known since the last beginning; empty: nothing happened
   bool begun_ = false;
   double origin_ = 0;  ///< stamp of the first reading: the estimator counts from there

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/pulse.h"
-#include "snapwing/common/vehicle.h"
-#include "snapwing/common/vehicle_parameters.h"
 #include "snapwing/rom/lumped_model.h"
-#include "snapwing/rom/trial.h"
 #include "snapwing/rom/vehicle_curves.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/trial.h"
+#include "snapwing/vehicle/vehicle.h"
+#include "snapwing/vehicle/vehicle_parameters.h"
 
 namespace snapwing::planning {
 
@@ -51,11 +51,11 @@ struct ParameterInfluence {
 
 /// Members follow msg/TransitionPlan.msg.
 struct TransitionPlan {
-  common::Mode start_mode = common::Mode::UNKNOWN;
-  common::Mode target_mode = common::Mode::UNKNOWN;
+  vehicle::Mode start_mode = vehicle::Mode::UNKNOWN;
+  vehicle::Mode target_mode = vehicle::Mode::UNKNOWN;
   bool accepted = false;
   std::string reason;  ///< empty if accepted
-  common::Pulse pulse;
+  vehicle::Pulse pulse;
   double thrust_fraction = 0;  ///< nominal
   double worst_margin = 0;     ///< [1]
   double share_switched = 0;   ///< [1]
@@ -63,7 +63,7 @@ struct TransitionPlan {
   double compute_seconds = 0;  ///< filled by callers that measure it
   rom::SnapPrediction nominal;
   rom::SnapPrediction worst;
-  common::VehicleParameters worst_parameters;
+  vehicle::VehicleParameters worst_parameters;
   std::vector<double> worst_coordinates;  ///< in [-1, 1], one per plannerCoordinateNames()
   /// Parameters by their effect on the margin at this pulse, largest first.
   std::vector<ParameterInfluence> influences;
@@ -82,7 +82,7 @@ struct OutcomeCell {
 };
 
 struct OutcomeMap {
-  common::Mode start_mode = common::Mode::UNKNOWN;
+  vehicle::Mode start_mode = vehicle::Mode::UNKNOWN;
   std::vector<double> throttles, durations;
   std::vector<OutcomeCell> cells;  ///< row by row: cells[i * durations.size() + j] = throttle i, duration j
   int realisations = 0;
@@ -93,31 +93,31 @@ class PulsePlanner {
  public:
   /// @param wing  the vehicle's wings, if any
   /// @throws common::Error for bad settings or tables
-  PulsePlanner(const common::Vehicle& vehicle, const common::ForceTable& table, const PlannerSettings& settings = {},
-               const std::optional<common::WingTable>& wing = {});
+  PulsePlanner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const PlannerSettings& settings = {},
+               const std::optional<vehicle::WingTable>& wing = {});
 
   /// @param start   mode that the vehicle is in
   /// @param target  mode wanted; equal to start, or a table that is not bistable: refused with a reason
   /// @param cancelled  polled now and then; true ends the search with a refusal "cancelled"
-  TransitionPlan plan(common::Mode start, common::Mode target, const rom::Trial& trial,
+  TransitionPlan plan(vehicle::Mode start, vehicle::Mode target, const vehicle::Trial& trial,
                       const std::function<bool()>& cancelled = {}) const;
-  TransitionPlan plan(common::Mode start, const rom::Trial& trial) const;
+  TransitionPlan plan(vehicle::Mode start, const vehicle::Trial& trial) const;
 
   /// Outcome over a grid of pulses, over the search's realisations.
   /// @param progress  told how many pulses of how many are done, from any thread, one call at a time
-  OutcomeMap map(common::Mode start, const rom::Trial& trial, int throttles, int durations,
+  OutcomeMap map(vehicle::Mode start, const vehicle::Trial& trial, int throttles, int durations,
                  const std::function<void(int done, int all)>& progress = {}) const;
 
   const PlannerSettings& settings() const { return settings_; }
 
  private:
-  common::Vehicle vehicle_;
-  common::ForceTable table_;
+  vehicle::Vehicle vehicle_;
+  vehicle::ForceTable table_;
   PlannerSettings settings_;
   rom::VehicleCurves curves_;
 };
 
-/// Names of the planner's coordinates: common::uncertainNames() and the pulse's length.
+/// Names of the planner's coordinates: vehicle::uncertainNames() and the pulse's length.
 std::vector<std::string> plannerCoordinateNames();
 
 }  // namespace snapwing::planning

@@ -31,7 +31,7 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/mode.h"
+#include "snapwing/vehicle/mode.h"
 
 namespace snapwing::planning {
 
@@ -94,7 +94,7 @@ struct SwitchView {
   std::string last_refusal;
   double mode_age = std::numeric_limits<double>::infinity();
   std::string mode_trouble;  ///< why the estimate is not fresh; only read if it is not
-  common::Mode mode = common::Mode::UNKNOWN;
+  vehicle::Mode mode = vehicle::Mode::UNKNOWN;
   std::string mode_reason;  ///< why the estimate says UNKNOWN
   /// [s] of the newest IMU reading in the estimate, now
   double reading_age = std::numeric_limits<double>::infinity();
@@ -106,12 +106,12 @@ class SwitchProtocol {
   /// @param duration  of the pulse [s]
   /// @param first_id  of the pulse; an attempt more takes the next number
   /// @throws common::Error for bad settings or an UNKNOWN target
-  SwitchProtocol(const SwitchSettings& settings, common::Mode target, double duration, std::uint32_t first_id);
+  SwitchProtocol(const SwitchSettings& settings, vehicle::Mode target, double duration, std::uint32_t first_id);
 
   /// The whole protocol, for tests and documents.
   static const std::vector<SwitchRow>& table();
   /// Everything that a switch to `target` lacks, in words; empty if it may begin.
-  static std::vector<std::string> missing(const SwitchSettings& settings, const SwitchView& view, common::Mode target);
+  static std::vector<std::string> missing(const SwitchSettings& settings, const SwitchView& view, vehicle::Mode target);
   /// One sentence of missing(); empty if nothing is.
   static std::string missingText(const std::vector<std::string>& missing);
 
@@ -134,7 +134,7 @@ class SwitchProtocol {
   std::string messageOf(SwitchEvent event, const SwitchView& view) const;
 
   SwitchSettings settings_;
-  common::Mode target_;
+  vehicle::Mode target_;
   double duration_;
   SwitchState state_ = SwitchState::READY;
   SwitchOutcome outcome_ = SwitchOutcome::NONE;

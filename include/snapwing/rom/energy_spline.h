@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
 #include "snapwing/rom/potential.h"
+#include "snapwing/vehicle/force_table.h"
 
 namespace snapwing::rom {
 
@@ -16,7 +16,7 @@ class EnergySpline : public Potential {
   /// @param table  of one arm, validated here; the vehicle's numbers are arm_count * force_scale times the table's
   /// @param force_scale  real force / computed force [1], > 0
   /// @throws common::Error for a bad table or scale
-  explicit EnergySpline(const common::ForceTable& table, double force_scale = 1.0);
+  explicit EnergySpline(const vehicle::ForceTable& table, double force_scale = 1.0);
 
   /// The same curve with another force scale, at no cost: the coefficients are shared. @throws common::Error
   EnergySpline withForceScale(double force_scale) const;

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "snapwing/common/mode.h"
 #include "snapwing/rom/potential.h"
 #include "snapwing/rom/travel_inertia.h"
+#include "snapwing/vehicle/mode.h"
 
 namespace snapwing::rom {
 
@@ -27,7 +27,7 @@ struct LoadedBarrier {
   double valley = 0;    ///< [m]
   double excess = 0;    ///< what the load has left over along the falling branch; 0 if the barrier exists [J]
   /// Which side u is on; left of the peak always F, right of the valley always Q.
-  common::Mode sideOf(double u) const;
+  vehicle::Mode sideOf(double u) const;
 };
 
 /// A bistable potential's basins under load. Keeps references: potential and inertia must outlive it.
@@ -38,10 +38,10 @@ class LoadedBasins {
   explicit LoadedBasins(const Potential& potential, const TravelInertia* moved = nullptr);
 
   /// Stable equilibrium of `mode` under the load. @return false if the load leaves none
-  bool equilibrium(common::Mode mode, const RelativeLoad& load, double* travel) const;
+  bool equilibrium(vehicle::Mode mode, const RelativeLoad& load, double* travel) const;
 
   /// L at which the basin of `mode` vanishes, at a given a. [N]
-  double limit(common::Mode mode, double felt) const;
+  double limit(vehicle::Mode mode, double felt) const;
 
   /// @param guess  where the barrier may be [m]; a bad one costs time only
   LoadedBarrier barrierUnder(const RelativeLoad& load, double guess = NAN) const;
@@ -51,7 +51,7 @@ class LoadedBasins {
 
   /// Energy that separates (travel, kinetic energy) from the barrier [J]: negative = above it. Infinite if the load
   /// leaves only the basin of `mode`; minus infinity if it leaves only the other.
-  double clearance(common::Mode mode, double travel, double kinetic, const RelativeLoad& load) const;
+  double clearance(vehicle::Mode mode, double travel, double kinetic, const RelativeLoad& load) const;
 
  private:
   struct Branch {

@@ -15,12 +15,13 @@
 #include <memory>
 #include <vector>
 
-#include "snapwing/common/pulse.h"
-#include "snapwing/common/vehicle_parameters.h"
 #include "snapwing/rom/loaded_basins.h"
 #include "snapwing/rom/potential.h"
+#include "snapwing/rom/prediction.h"
 #include "snapwing/rom/travel_inertia.h"
-#include "snapwing/rom/trial.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/trial.h"
+#include "snapwing/vehicle/vehicle_parameters.h"
 
 namespace snapwing::rom {
 
@@ -62,17 +63,17 @@ class LumpedModel {
   /// @param wing  scales applied; nullptr: none
   /// @param arms  their inertia; nullptr: weightless
   /// @throws common::Error for bad parameters (masses and time constants > 0, the rest >= 0, all finite)
-  LumpedModel(std::shared_ptr<const Potential> potential, const common::VehicleParameters& parameters,
+  LumpedModel(std::shared_ptr<const Potential> potential, const vehicle::VehicleParameters& parameters,
               double idle_fraction, const LumpedSettings& settings = {},
               std::shared_ptr<const TravelInertia> wing = nullptr, std::shared_ptr<const TravelInertia> arms = nullptr);
 
   /// The usual way: spline, wings and idle thrust from the vehicle and its tables. @throws common::Error
-  static LumpedModel fromVehicle(const common::Vehicle& vehicle, const common::ForceTable& table,
-                                 const common::VehicleParameters& parameters, const LumpedSettings& settings = {},
-                                 const std::optional<common::WingTable>& wing = {});
+  static LumpedModel fromVehicle(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                                 const vehicle::VehicleParameters& parameters, const LumpedSettings& settings = {},
+                                 const std::optional<vehicle::WingTable>& wing = {});
 
   /// Steady thrust share of a stick throttle for these parameters. @param throttle [0, 1]
-  double thrustFraction(const common::Radio& radio, double throttle) const;
+  double thrustFraction(const vehicle::Radio& radio, double throttle) const;
 
   /// What a pulse does.
   /// @param start      F or Q; the motion starts in its equilibrium under the initial loads
@@ -80,48 +81,48 @@ class LumpedModel {
   /// @param duration   of the command [s], >= 0
   /// @param observer   optional, sees each step
   /// @throws common::Error for UNKNOWN start, a potential that is not bistable, bad pulse or trial
-  SnapPrediction predict(common::Mode start, double fraction, double duration, const Trial& trial,
+  SnapPrediction predict(vehicle::Mode start, double fraction, double duration, const vehicle::Trial& trial,
                          const LumpedObserver& observer = {}) const;
   /// The same with the stick's throttle.
-  SnapPrediction predict(common::Mode start, const common::Pulse& pulse, const common::Radio& radio, const Trial& trial,
-                         const LumpedObserver& observer = {}) const;
+  SnapPrediction predict(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Radio& radio,
+                         const vehicle::Trial& trial, const LumpedObserver& observer = {}) const;
 
   /// One step of the integrator. @param demand steady thrust share during the step, @param dt [s]
-  LumpedState step(const LumpedState& state, double demand, double dt, const Trial& trial) const;
+  LumpedState step(const LumpedState& state, double demand, double dt, const vehicle::Trial& trial) const;
 
   /// Start of a trial: equilibrium of `mode` under the initial loads. @param held false if there is none (then the
   /// unloaded equilibrium)
-  LumpedState startState(common::Mode mode, const Trial& trial, bool* held = nullptr) const;
+  LumpedState startState(vehicle::Mode mode, const vehicle::Trial& trial, bool* held = nullptr) const;
 
   /// Load on the relative motion [N, m/s2]. Free and boom: mu ((T + P - D_r - friction)/m_r + D_c/m_c), and
   /// the specific force of the whole vehicle. HELD: m_c g + D_c, and g.
-  RelativeLoad relativeLoad(const LumpedState& state, const Trial& trial) const;
+  RelativeLoad relativeLoad(const LumpedState& state, const vehicle::Trial& trial) const;
   /// Inertia of the relative motion at u [kg]: mu = m_r m_c / (m_r + m_c), m_c if held, and what arms and wings add.
-  double relativeMass(const Trial& trial, double travel) const;
+  double relativeMass(const vehicle::Trial& trial, double travel) const;
   /// Kinetic and elastic energy of the relative motion, m(u) u'^2/2 + E(u) [J].
-  double relativeEnergy(const LumpedState& state, const Trial& trial) const;
+  double relativeEnergy(const LumpedState& state, const vehicle::Trial& trial) const;
   /// Momentum along the axis / mass of all that moves [m/s]; the ring's speed if held.
-  double commonSpeed(const LumpedState& state, const Trial& trial) const;
+  double commonSpeed(const LumpedState& state, const vehicle::Trial& trial) const;
   /// What an accelerometer on the centre reads along the thrust axis, z_c'' + g [m/s2].
-  double centreSpecificForce(const LumpedState& state, const Trial& trial) const;
+  double centreSpecificForce(const LumpedState& state, const vehicle::Trial& trial) const;
 
   /// Mass of the ring side, with what moves along on a boom [kg].
-  double ringMass(const Trial& trial) const {
-    return parameters_.ring_mass + (trial.mount == Mount::BOOM ? parameters_.boom_mass : 0.0);
+  double ringMass(const vehicle::Trial& trial) const {
+    return parameters_.ring_mass + (trial.mount == vehicle::Mount::BOOM ? parameters_.boom_mass : 0.0);
   }
   /// What moves with the travel in this trial, arms and wings; nullptr: weightless arms without wings.
   /// @throws common::Error if the trial asks for wings and the model has none
-  const TravelInertia* inertiaOf(const Trial& trial) const;
+  const TravelInertia* inertiaOf(const vehicle::Trial& trial) const;
   /// Wings act in this trial. @throws common::Error likewise
-  bool wingsAct(const Trial& trial) const;
+  bool wingsAct(const vehicle::Trial& trial) const;
   const Potential& potential() const { return *potential_; }
-  const common::VehicleParameters& parameters() const { return parameters_; }
+  const vehicle::VehicleParameters& parameters() const { return parameters_; }
   double idleFraction() const { return idle_fraction_; }
   const LumpedSettings& settings() const { return settings_; }
 
  private:
   std::shared_ptr<const Potential> potential_;
-  common::VehicleParameters parameters_;
+  vehicle::VehicleParameters parameters_;
   double idle_fraction_;
   LumpedSettings settings_;
   std::shared_ptr<const TravelInertia> arms_;
@@ -131,10 +132,11 @@ class LumpedModel {
   struct RingResistance {
     double force, slope;
   };
-  RingResistance ringResistance(double ring_speed, const Trial& trial) const;
+  RingResistance ringResistance(double ring_speed, const vehicle::Trial& trial) const;
   /// Both take what step() has begun: time and thrust at the step's end.
-  void plainStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial, LumpedState* next) const;
-  void coupledStep(const LumpedState& state, double mean_thrust, double dt, const Trial& trial,
+  void plainStep(const LumpedState& state, double mean_thrust, double dt, const vehicle::Trial& trial,
+                 LumpedState* next) const;
+  void coupledStep(const LumpedState& state, double mean_thrust, double dt, const vehicle::Trial& trial,
                    const TravelInertia& moved, LumpedState* next) const;
 };
 

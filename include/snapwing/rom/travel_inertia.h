@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/wing_table.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/wing_table.h"
 
 namespace snapwing::rom {
 
@@ -38,12 +38,12 @@ RelativeInertia relativeInertia(const InertiaSample& moved, double centre, doubl
 class TravelInertia {
  public:
   /// All arms of the vehicle. @param table  of one; @throws common::Error for a bad table
-  explicit TravelInertia(const common::ForceTable& table);
+  explicit TravelInertia(const vehicle::ForceTable& table);
   /// Both wings.
   /// @param table  with the blade's columns, at least two rows
   /// @param inertia_scale   real masses / the table's, > 0; @param friction_scale  likewise, >= 0
   /// @throws common::Error if the columns are missing, not finite or negative (K, friction), or a scale is out of range
-  explicit TravelInertia(const common::WingTable& table, double inertia_scale = 1, double friction_scale = 1);
+  explicit TravelInertia(const vehicle::WingTable& table, double inertia_scale = 1, double friction_scale = 1);
 
   /// The same with other scales, at no cost. @throws common::Error
   TravelInertia scaled(double inertia_scale, double friction_scale) const;

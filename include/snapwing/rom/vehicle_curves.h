@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include "snapwing/common/vehicle.h"
 #include "snapwing/rom/energy_spline.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/rom/travel_inertia.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::rom {
 
@@ -16,10 +16,10 @@ class VehicleCurves {
  public:
   /// @param arm   of one arm; @param wing  none: no wings
   /// @throws common::Error for bad tables
-  explicit VehicleCurves(const common::ForceTable& arm, const std::optional<common::WingTable>& wing = {});
+  explicit VehicleCurves(const vehicle::ForceTable& arm, const std::optional<vehicle::WingTable>& wing = {});
 
   /// @param radio  gives the motors' idle thrust. @throws common::Error for bad parameters or settings
-  LumpedModel model(const common::Radio& radio, const common::VehicleParameters& parameters,
+  LumpedModel model(const vehicle::Radio& radio, const vehicle::VehicleParameters& parameters,
                     const LumpedSettings& settings = {}) const;
 
   const EnergySpline& spline() const { return spline_; }

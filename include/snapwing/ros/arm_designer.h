@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "snapwing/design/arm_outcome.h"
+#include "snapwing/design/arm/arm_outcome.h"
 #include "snapwing/ros/design_job.h"
 
 namespace snapwing::nodes {

@@ -12,10 +12,10 @@
 #include <string>
 #include <thread>
 
-#include "snapwing/common/pulse.h"
 #include "snapwing/link/arming_protocol.h"
 #include "snapwing/link/command_seal.h"
 #include "snapwing/link/operator_link.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::nodes {
 

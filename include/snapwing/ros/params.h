@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "snapwing/common/settings_reader.h"
-#include "snapwing/common/vehicle.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::nodes {
 
@@ -37,7 +37,7 @@ class Params {
   std::string choice(const std::string& key, const std::vector<std::string>& allowed);
 
   /// The vehicle file that required key `vehicle_file` names. @throws common::FileError, common::SettingError
-  common::Vehicle vehicle();
+  vehicle::Vehicle vehicle();
 
   /// @throws common::SettingError for the first key that no getter asked for; else logs the final values.
   void finish();

@@ -5,8 +5,8 @@
 #include <snapwing/TransitionPlan.h>
 
 #include "snapwing/planning/pulse_planner.h"
-#include "snapwing/rom/trial.h"
 #include "snapwing/ros/params.h"
+#include "snapwing/vehicle/trial.h"
 
 namespace snapwing::nodes {
 
@@ -15,6 +15,6 @@ SnapPrediction toMessage(const rom::SnapPrediction& prediction);
 TransitionPlan toMessage(const planning::TransitionPlan& plan);
 
 /// Keys `mount` (free, boom, held), `wings` (auto, on, off), `gravity` [m/s2] and `horizon` [s]. @throws common::Error
-rom::Trial readTrial(Params& params, const common::Vehicle& vehicle);
+vehicle::Trial readTrial(Params& params, const vehicle::Vehicle& vehicle);
 
 }  // namespace snapwing::nodes

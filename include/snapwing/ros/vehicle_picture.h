@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/mode.h"
-#include "snapwing/common/vehicle.h"
-#include "snapwing/common/wing_table.h"
 #include "snapwing/ros/triangulation.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/mode.h"
+#include "snapwing/vehicle/vehicle.h"
+#include "snapwing/vehicle/wing_table.h"
 
 namespace snapwing::nodes {
 
@@ -29,21 +29,21 @@ struct PictureSettings {
 };
 
 struct PictureState {
-  double travel = 0;                          ///< u [m]
-  common::Mode mode = common::Mode::UNKNOWN;  ///< colours the label
-  std::string label;                          ///< text over the vehicle
-  double alpha = 1;                           ///< [0, 1] of everything, less where the mode is not known
-  double ghost_travel = NAN;                  ///< u [m] of a second picture beside it, faint; NaN = none
-  std::vector<double> thrust;                 ///< share of full thrust [0, 1] of each rotor; may be empty
+  double travel = 0;                            ///< u [m]
+  vehicle::Mode mode = vehicle::Mode::UNKNOWN;  ///< colours the label
+  std::string label;                            ///< text over the vehicle
+  double alpha = 1;                             ///< [0, 1] of everything, less where the mode is not known
+  double ghost_travel = NAN;                    ///< u [m] of a second picture beside it, faint; NaN = none
+  std::vector<double> thrust;                   ///< share of full thrust [0, 1] of each rotor; may be empty
   ros::Time stamp;
 };
 
 class VehiclePicture {
  public:
-  VehiclePicture(const common::Vehicle& vehicle, const common::ForceTable& table, const PictureSettings& settings);
+  VehiclePicture(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const PictureSettings& settings);
 
   /// Shows the designed wings; without them no wings are shown. @param wing  with a blade
-  void useWing(const common::WingTable& wing) { wing_ = wing; }
+  void useWing(const vehicle::WingTable& wing) { wing_ = wing; }
 
   /// Same namespaces and ids on every call, so that each call replaces the last picture.
   visualization_msgs::MarkerArray draw(const PictureState& state) const;
@@ -72,11 +72,11 @@ class VehiclePicture {
   void drawLabel(visualization_msgs::MarkerArray& out, const PictureState& state) const;
   geometry_msgs::Point place(double azimuth, double x, double y, double across) const;
 
-  common::Vehicle vehicle_;
+  vehicle::Vehicle vehicle_;
   PictureSettings settings_;
   std::vector<Loop> rest_;
   std::vector<Shape> shapes_;
-  std::optional<common::WingTable> wing_;
+  std::optional<vehicle::WingTable> wing_;
 };
 
 }  // namespace snapwing::nodes

@@ -7,9 +7,9 @@
 
 #include <string>
 
-#include "snapwing/common/vehicle.h"
-#include "snapwing/design/wing_outcome.h"
+#include "snapwing/design/wing/wing_outcome.h"
 #include "snapwing/ros/design_job.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::nodes {
 
@@ -20,7 +20,7 @@ class WingDesigner {
  public:
   /// Publishes the vehicle's own wing, if it names one. @param relative  where wing_geometry and designed/wing_geometry
   /// are advertised; @param frame  of both. @throws common::Error if the vehicle's wing cannot be read
-  WingDesigner(ros::NodeHandle& relative, const common::Vehicle& vehicle, std::string frame);
+  WingDesigner(ros::NodeHandle& relative, const vehicle::Vehicle& vehicle, std::string frame);
 
   /// Takes the stored design of the same inputs, or designs anew on the bars that the settings name, checked by elastic
   /// ones.

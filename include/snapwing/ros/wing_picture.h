@@ -3,12 +3,12 @@
 
 #include <visualization_msgs/MarkerArray.h>
 
-#include "snapwing/common/wing_table.h"
+#include "snapwing/vehicle/wing_table.h"
 
 namespace snapwing::nodes {
 
 /// @param table  with a blade (hasBlade()); @param travel  u [m]
 /// Adds namespaces "wings" (panels and ribs of the left and right wing) and "linkage" (bars and pins).
-void drawDesignedWings(const common::WingTable& table, double travel, visualization_msgs::MarkerArray* out);
+void drawDesignedWings(const vehicle::WingTable& table, double travel, visualization_msgs::MarkerArray* out);
 
 }  // namespace snapwing::nodes

@@ -10,10 +10,10 @@
 namespace snapwing::statics {
 
 struct ArcSettings {
-  NewtonSettings newton;     ///< iterations and tolerance; Newton here has no line search: steps are shortened
-  double first_step = 0;     ///< [unit of the control] > 0
-  double largest_step = 0;   ///< same; 0: ten times the first
-  double smallest_step = 0;  ///< same; 0: 1e-6 of the first
+  solver::NewtonSettings newton;  ///< iterations and tolerance; Newton here has no line search: steps are shortened
+  double first_step = 0;          ///< [unit of the control] > 0
+  double largest_step = 0;        ///< same; 0: ten times the first
+  double smallest_step = 0;       ///< same; 0: 1e-6 of the first
   int max_points = 500;
   double weight = 0;          ///< w; 0: from the tangent at the start
   double end = 0;             ///< stops there, once the control passes it in the direction of the start
@@ -28,13 +28,15 @@ struct ArcResult {
   PathResult path;                ///< points along the branch; the control need not be monotone
   std::vector<int> limit_points;  ///< numbers of points after which the control turned
   std::vector<int> crossings;     ///< after which the number of negative pivots changed: limit points or bifurcations
-  Equilibrium last;               ///< settled; at `end` exactly if it was reached
+  solver::Equilibrium last;       ///< settled; at `end` exactly if it was reached
 };
 
 /// @param start    free coordinates of an equilibrium at control p0
-ArcResult followArc(const Problem& problem, const Eigen::VectorXd& start, double p0, const ArcSettings& settings);
+ArcResult followArc(const solver::Problem& problem, const Eigen::VectorXd& start, double p0,
+                    const ArcSettings& settings);
 
 /// The same from a settled point of a solver, which is not recorded again.
-ArcResult followArcFrom(EquilibriumSolver& solver, const Equilibrium& start, const ArcSettings& settings);
+ArcResult followArcFrom(solver::EquilibriumSolver& solver, const solver::Equilibrium& start,
+                        const ArcSettings& settings);
 
 }  // namespace snapwing::statics

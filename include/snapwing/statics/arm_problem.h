@@ -4,14 +4,14 @@
 #include <memory>
 #include <string>
 
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/vehicle.h"
 #include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/elasticity/material.h"
 #include "snapwing/mpm/density_field.h"
+#include "snapwing/mpm/moving_mass.h"
 #include "snapwing/statics/features.h"
-#include "snapwing/statics/moving_mass.h"
 #include "snapwing/statics/path.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::statics {
 
@@ -27,10 +27,10 @@ class ArmProblem {
  public:
   /// @param design  density of the L-shaped domain
   /// @throws common::Error if pin or clamp do not meet material
-  ArmProblem(const common::ArmSettings& arm, const elasticity::Material& material, const mpm::DensityField& design,
+  ArmProblem(const vehicle::ArmSettings& arm, const elasticity::Material& material, const mpm::DensityField& design,
              const ArmProblemSettings& settings);
 
-  const SolidProblem<2>& problem() const { return *problem_; }
+  const solver::SolidProblem<2>& problem() const { return *problem_; }
   const mpm::DensityField& field() const { return field_; }
   /// New densities, one per cell of the design in the order of problem().solid(). What holds a state of the problem
   /// (a Newton, a path) must start anew. @throws common::Error for a wrong count or a value outside 0 .. 1
@@ -39,7 +39,7 @@ class ArmProblem {
   /// 4 mm of the axle best (least squares).
   double rotation(const Eigen::VectorXd& z, double travel) const;
   /// Inertia against the travel, with `slope` dz/du of the static path.
-  MovingMass movingMass(const Eigen::VectorXd& slope) const;
+  mpm::MovingMass movingMass(const Eigen::VectorXd& slope) const;
   /// Loops of the design's outline, and the same moved.
   std::vector<std::vector<std::array<double, 2>>> restShapes() const { return mpm::outline(field_, 0.5); }
   std::vector<std::vector<std::array<double, 2>>> movedShapes(const Eigen::VectorXd& z, double travel) const;
@@ -47,11 +47,11 @@ class ArmProblem {
  private:
   Eigen::VectorXd displacements(const Eigen::VectorXd& z, double travel) const;
 
-  common::ArmSettings arm_;
+  vehicle::ArmSettings arm_;
   double mass_density_;  ///< [kg/m3]
   mpm::DensityField field_;
   std::shared_ptr<mpm::Discretisation<2>> solid_;  ///< the problem's own
-  std::unique_ptr<SolidProblem<2>> problem_;
+  std::unique_ptr<solver::SolidProblem<2>> problem_;
 };
 
 struct ArmCurveSettings {
@@ -67,10 +67,10 @@ struct ArmCurveSettings {
 };
 
 struct ArmCurve {
-  SolveStatus status = SolveStatus::NOT_SOLVED;
+  solver::SolveStatus status = solver::SolveStatus::NOT_SOLVED;
   std::string message;
-  common::ForceTable table;  ///< without provenance
-  LocatedFeatures located;   ///< forces and energies of the problem: one arm; empty if not asked for
+  vehicle::ForceTable table;  ///< without provenance
+  LocatedFeatures located;    ///< forces and energies of the problem: one arm; empty if not asked for
   int iterations = 0, factorizations = 0, projections = 0, halvings = 0;
   double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;
 };

@@ -8,7 +8,7 @@
 namespace snapwing::statics {
 
 /// Hash of all that the points of a scene's path depend on; `more` adds settings that are not in the scene.
-std::string traceHash(const Scene& scene, const std::string& more);
+std::string traceHash(const scene::Scene& scene, const std::string& more);
 
 /// Replaces the file in one step. @throws common::FileError
 void saveCheckpoint(const SceneCurve& sofar, const std::string& hash, const std::string& path);

@@ -29,7 +29,7 @@ struct Feature {
 /// @param points  with their solutions, in the order of the branch; the control may turn
 /// @param solver  of the same problem
 /// @param lost    if given: number of features that are there by the signs at the points but were not found
-std::vector<Feature> locateFeatures(EquilibriumSolver& solver, const std::vector<PathPoint>& points,
+std::vector<Feature> locateFeatures(solver::EquilibriumSolver& solver, const std::vector<PathPoint>& points,
                                     int* lost = nullptr);
 
 /// The same with a solver of its own, and what it cost.
@@ -39,7 +39,7 @@ struct LocatedFeatures {
   int factorizations = 0;
   double seconds = 0;
 };
-LocatedFeatures locateFeaturesOf(const Problem& problem, const NewtonSettings& newton,
+LocatedFeatures locateFeaturesOf(const solver::Problem& problem, const solver::NewtonSettings& newton,
                                  const std::vector<PathPoint>& points);
 
 }  // namespace snapwing::statics

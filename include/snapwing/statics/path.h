@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/statics/equilibrium.h"
+#include "snapwing/solver/equilibrium.h"
 #include "snapwing/statics/predictor.h"
 #include "snapwing/statics/singular.h"
 
 namespace snapwing::statics {
 
 struct PathSettings {
-  NewtonSettings newton;
+  solver::NewtonSettings newton;
   double smallest_step = 1e-3;  ///< [1] share of a wanted step below which the path is given up, in (0, 1]
   bool keep_solutions = true;   ///< store z of every point
   /// Called after each wanted point with its number; returns true to stop.
@@ -44,7 +44,7 @@ struct PathPoint {
 };
 
 struct PathResult {
-  SolveStatus status = SolveStatus::NOT_SOLVED;
+  solver::SolveStatus status = solver::SolveStatus::NOT_SOLVED;
   std::string message;            ///< on failure: where and why
   std::vector<PathPoint> points;  ///< those that were reached
   std::vector<SingularPoint> singular;
@@ -54,39 +54,39 @@ struct PathResult {
 };
 
 /// What a path or an arc reports of a settled point.
-PathPoint describePoint(const Equilibrium& x, int iterations, int factorizations, bool keep_solution);
+PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factorizations, bool keep_solution);
 
 /// Steps from point to point with a Hermite predictor; a step that fails is halved.
 class PathFollower {
  public:
   /// @param problem  with exactly one control; must outlive this
-  PathFollower(const Problem& problem, PathSettings settings);
+  PathFollower(const solver::Problem& problem, PathSettings settings);
 
   /// @param start     free coordinates near equilibrium at targets[0]
   /// @param targets   control values in the order of the path, at least one
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
   /// Goes on from a settled point, which is not recorded again. It and every tenth wanted point are anchors.
-  PathResult followFrom(const Equilibrium& start, const std::vector<double>& targets);
+  PathResult followFrom(const solver::Equilibrium& start, const std::vector<double>& targets);
 
-  EquilibriumSolver& solver() { return solver_; }
+  solver::EquilibriumSolver& solver() { return solver_; }
   /// Where the last path ended.
-  const Equilibrium& place() const { return place_; }
+  const solver::Equilibrium& place() const { return place_; }
 
  private:
-  bool begin(const Eigen::VectorXd& start, double control, NewtonResult& last);
-  void followTargets(const std::vector<double>& targets, std::size_t first, NewtonResult& last);
+  bool begin(const Eigen::VectorXd& start, double control, solver::NewtonResult& last);
+  void followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last);
   bool record(int point, int iterations, int factorizations, bool anchor);
-  void stopped(double target, const NewtonResult& last);
-  bool stepTo(double target, NewtonResult& last);
-  bool jumped(const Equilibrium& next) const;
-  void passSingular(const Equilibrium& next, Equilibrium& onward);
+  void stopped(double target, const solver::NewtonResult& last);
+  bool stepTo(double target, solver::NewtonResult& last);
+  bool jumped(const solver::Equilibrium& next) const;
+  void passSingular(const solver::Equilibrium& next, solver::Equilibrium& onward);
   PathResult finish(double begin);
 
-  const Problem& problem_;
+  const solver::Problem& problem_;
   PathSettings settings_;
-  EquilibriumSolver solver_;
+  solver::EquilibriumSolver solver_;
   Predictor predictor_;
-  Equilibrium place_;
+  solver::Equilibrium place_;
   PathResult result_;
   int factorizations_before_ = 0;
 };

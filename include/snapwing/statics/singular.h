@@ -7,22 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/statics/equilibrium.h"
+#include "snapwing/solver/equilibrium.h"
 
 namespace snapwing::statics {
 
 /// The straight line between two points of a branch; planes across it cut the branch at shares s in [0, 1].
 class Chord {
  public:
-  Chord(const Equilibrium& a, const Equilibrium& b);
-  BranchPlane plane(double s) const;
-  Equilibrium guess(double s) const;
+  Chord(const solver::Equilibrium& a, const solver::Equilibrium& b);
+  solver::BranchPlane plane(double s) const;
+  solver::Equilibrium guess(double s) const;
   /// d(control)/ds and d(force)/ds of the branch at a settled point.
-  double controlRate(const Equilibrium& x) const;
-  double forceRate(const Equilibrium& x) const;
+  double controlRate(const solver::Equilibrium& x) const;
+  double forceRate(const solver::Equilibrium& x) const;
 
  private:
-  const Equilibrium &a_, &b_;
+  const solver::Equilibrium &a_, &b_;
   Eigen::VectorXd normal_;
 };
 
@@ -30,7 +30,7 @@ enum class SingularKind { LIMIT_POINT, BIFURCATION };
 
 struct SingularPoint {
   SingularKind kind = SingularKind::LIMIT_POINT;
-  Equilibrium point;          ///< as close as rounding allows
+  solver::Equilibrium point;  ///< as close as rounding allows
   Eigen::VectorXd mode;       ///< phi, largest entry 1
   double load_share = 0;      ///< |phi . f| / (|phi| |f|)
   double control_rate = 0;    ///< d(control) along the branch, share of that nearby: 0 at a limit point, about 1 else
@@ -42,11 +42,12 @@ struct SingularPoint {
 
 /// @param a, b  settled points of one branch with different numbers of negative pivots
 /// @return false if the corrector lost the branch; `why` then says where
-bool locateSingular(EquilibriumSolver& solver, const Equilibrium& a, const Equilibrium& b, SingularPoint& found,
-                    std::string& why);
+bool locateSingular(solver::EquilibriumSolver& solver, const solver::Equilibrium& a, const solver::Equilibrium& b,
+                    SingularPoint& found, std::string& why);
 
 /// A point of the branch that leaves a bifurcation along its mode.
 /// @param amount  largest entry of the motion away from the primary branch [m], of either sign
-NewtonResult switchBranch(EquilibriumSolver& solver, const SingularPoint& from, double amount, Equilibrium& found);
+solver::NewtonResult switchBranch(solver::EquilibriumSolver& solver, const SingularPoint& from, double amount,
+                                  solver::Equilibrium& found);
 
 }  // namespace snapwing::statics

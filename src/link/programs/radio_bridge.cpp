@@ -28,6 +28,7 @@
 #include "snapwing/link/link_log.h"
 #include "snapwing/link/realtime.h"
 #include "snapwing/link/transport.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace {
 
@@ -303,7 +304,7 @@ int main(int argc, char** argv) {
   addOptions(app, options);
   try {
     app.parse(ownArguments(argc, argv));
-    if (!options.vehicle_file.empty()) options.settings.useScale(common::throttleScaleOf(options.vehicle_file));
+    if (!options.vehicle_file.empty()) options.settings.useScale(vehicle::throttleScaleOf(options.vehicle_file));
     return start(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

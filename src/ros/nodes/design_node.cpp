@@ -12,8 +12,6 @@
 #include <limits>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/force_table.h"
-#include "snapwing/common/table_origin.h"
 #include "snapwing/ros/arm_designer.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/design_job.h"
@@ -21,6 +19,8 @@
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
 #include "snapwing/ros/wing_designer.h"
+#include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/table_origin.h"
 
 namespace snapwing::nodes {
 
@@ -64,7 +64,7 @@ class DesignNode {
   }
 
   void publishVehicle(ros::NodeHandle& relative) {
-    const common::ForceTable table = common::loadForceTable(vehicle_.arm.table_file);
+    const vehicle::ForceTable table = vehicle::loadForceTable(vehicle_.arm.table_file);
     geometry_ = relative.advertise<ArmGeometry>(topics::ARM_GEOMETRY, 1, true);
     curve_ = relative.advertise<ForceDisplacementCurve>(topics::FORCE_CURVE, 1, true);
     ArmGeometry geometry = geometryMessage(vehicle_, table);
@@ -72,7 +72,7 @@ class DesignNode {
     geometry.header.frame_id = curve.header.frame_id = frame_;
     geometry.header.stamp = curve.header.stamp = ros::Time::now();
     try {  // a design changes the density first: its node shows what is there
-      common::requireOrigin(table, vehicle_, vehicle_.arm.table_file);
+      vehicle::requireOrigin(table, vehicle_, vehicle_.arm.table_file);
     } catch (const common::Error& error) {
       ROS_WARN_STREAM("stale table: " << error.what());
     }
@@ -133,7 +133,7 @@ class DesignNode {
     }
   }
 
-  common::Vehicle vehicle_;
+  vehicle::Vehicle vehicle_;
   std::string frame_, designs_, store_;
   ros::Publisher geometry_;
   ros::Publisher curve_;

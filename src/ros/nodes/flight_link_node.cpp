@@ -52,7 +52,7 @@ struct Settings {
     const std::string key_file = params.text("key_file");
     worker.vehicle_id = params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID);
     const std::string vehicle_file = params.textOr("vehicle_file", "");
-    if (!vehicle_file.empty()) worker.throttle = common::throttleScaleOf(vehicle_file);
+    if (!vehicle_file.empty()) worker.throttle = vehicle::throttleScaleOf(vehicle_file);
     worker.heartbeat_period = params.number("heartbeat_period", {0.01, 0.05}, "s");
     worker.pulse_age = params.number("command_age", {0.02, 0.1}, "s");
     worker.request_age = params.number("request_age", {0.1, 1.0}, "s");

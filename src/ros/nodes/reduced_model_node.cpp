@@ -7,12 +7,12 @@
 
 #include <chrono>
 
-#include "snapwing/common/table_origin.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/planning_conversions.h"
 #include "snapwing/ros/topics.h"
+#include "snapwing/vehicle/table_origin.h"
 
 namespace snapwing::nodes {
 
@@ -34,14 +34,14 @@ class ReducedModelNode {
   rom::LumpedModel makeModel(Params& params) const {
     rom::LumpedSettings settings;
     settings.step = params.number("step", {1e-5, 0.01}, "s");
-    const common::ForceTable table = common::armTableOf(vehicle_);
-    return rom::LumpedModel::fromVehicle(vehicle_, table, common::realise(vehicle_, table), settings,
-                                         common::wingTableOf(vehicle_, table));
+    const vehicle::ForceTable table = vehicle::armTableOf(vehicle_);
+    return rom::LumpedModel::fromVehicle(vehicle_, table, vehicle::realise(vehicle_, table), settings,
+                                         vehicle::wingTableOf(vehicle_, table));
   }
 
   bool predict(PredictSnap::Request& request, PredictSnap::Response& response) {
     try {
-      rom::Trial trial = trial_;
+      vehicle::Trial trial = trial_;
       trial.initial_speed = request.initial_speed;
       trial.validate();
       const auto start = std::chrono::steady_clock::now();
@@ -69,8 +69,8 @@ class ReducedModelNode {
     status.add("last computation [s]", last_seconds_);
   }
 
-  common::Vehicle vehicle_;
-  rom::Trial trial_;
+  vehicle::Vehicle vehicle_;
+  vehicle::Trial trial_;
   rom::LumpedModel model_;
   unsigned answered_ = 0;
   unsigned refused_ = 0;

@@ -18,17 +18,17 @@
 #include <random>
 #include <thread>
 
-#include "snapwing/common/table_origin.h"
 #include "snapwing/common/time_watch.h"
-#include "snapwing/dynamics/plant.h"
 #include "snapwing/link/realtime.h"
-#include "snapwing/rom/trial.h"
 #include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
 #include "snapwing/ros/motor_receiver.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
+#include "snapwing/standin/plant.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/trial.h"
 
 namespace snapwing::nodes {
 
@@ -40,8 +40,8 @@ constexpr double DRIFT =
 struct SimulationSettings {
   std::uint64_t seed = 0;
   bool nominal = false;
-  common::Mode initial_mode = common::Mode::FIXED_WING;
-  dynamics::PlantSettings plant;
+  vehicle::Mode initial_mode = vehicle::Mode::FIXED_WING;
+  standin::PlantSettings plant;
   std::uint16_t motor_port = 0;
   double motor_timeout = 0;  ///< [s]
   double imu_period = 0;     ///< [s]
@@ -51,18 +51,19 @@ struct SimulationSettings {
   std::string imu_frame;
 };
 
-dynamics::PlantMount plantMount(rom::Mount mount) {
-  if (mount == rom::Mount::FREE) return dynamics::PlantMount::FREE;
-  return mount == rom::Mount::BOOM ? dynamics::PlantMount::BOOM : dynamics::PlantMount::HELD;
+standin::PlantMount plantMount(vehicle::Mount mount) {
+  if (mount == vehicle::Mount::FREE) return standin::PlantMount::FREE;
+  return mount == vehicle::Mount::BOOM ? standin::PlantMount::BOOM : standin::PlantMount::HELD;
 }
 
-SimulationSettings readSettings(Params& params, const common::Vehicle& vehicle, const std::string& name_space) {
+SimulationSettings readSettings(Params& params, const vehicle::Vehicle& vehicle, const std::string& name_space) {
   SimulationSettings s;
   s.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
   s.nominal = params.boolean("nominal");
-  s.initial_mode = common::modeFromName(params.choice("initial_mode", {"F", "Q"}));
-  s.plant.mount = plantMount(rom::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount"));
-  s.plant.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
+  s.initial_mode = vehicle::modeFromName(params.choice("initial_mode", {"F", "Q"}));
+  s.plant.mount =
+      plantMount(vehicle::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount"));
+  s.plant.wings = vehicle::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.plant.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   s.plant.step = params.number("step", {1e-6, 1e-3}, "s");
   s.motor_port = static_cast<std::uint16_t>(params.integer("motor_port", 1, 65535));
@@ -102,12 +103,12 @@ class SimulatedVehicleNode {
     thread_ = std::thread([this] { run(); });
   }
 
-  dynamics::Plant makePlant() const {
-    const common::ForceTable table = common::armTableOf(vehicle_);
-    const common::VehicleParameters parameters = settings_.nominal
-                                                     ? common::realise(vehicle_, table)
-                                                     : dynamics::drawParameters(vehicle_, table, settings_.seed);
-    return dynamics::Plant(vehicle_, table, parameters, settings_.plant, common::wingTableOf(vehicle_, table));
+  standin::Plant makePlant() const {
+    const vehicle::ForceTable table = vehicle::armTableOf(vehicle_);
+    const vehicle::VehicleParameters parameters = settings_.nominal
+                                                      ? vehicle::realise(vehicle_, table)
+                                                      : standin::drawParameters(vehicle_, table, settings_.seed);
+    return standin::Plant(vehicle_, table, parameters, settings_.plant, vehicle::wingTableOf(vehicle_, table));
   }
 
   bool hold(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -169,7 +170,7 @@ class SimulatedVehicleNode {
   void publishTruth(double time) {
     if (!stamped_) return;
     VehicleTruth message;
-    const dynamics::PlantState& state = plant_.state();
+    const standin::PlantState& state = plant_.state();
     message.header.stamp = stampAt(time);
     message.mode = toMessage(plant_.mode());
     message.travel = state.travel();
@@ -183,9 +184,9 @@ class SimulatedVehicleNode {
     truth_.publish(message);
   }
 
-  common::Vehicle vehicle_;
+  vehicle::Vehicle vehicle_;
   SimulationSettings settings_;
-  dynamics::Plant plant_;
+  standin::Plant plant_;
   MotorReceiver receiver_;
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;

@@ -19,7 +19,6 @@
 #include <map>
 #include <mutex>
 
-#include "snapwing/common/table_origin.h"
 #include "snapwing/common/time_watch.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/planning/switch_protocol.h"
@@ -29,6 +28,7 @@
 #include "snapwing/ros/planning_conversions.h"
 #include "snapwing/ros/seal_conversions.h"
 #include "snapwing/ros/topics.h"
+#include "snapwing/vehicle/table_origin.h"
 
 namespace snapwing::nodes {
 
@@ -114,8 +114,8 @@ class TransitionPlannerNode {
 
  private:
   planning::PulsePlanner makePlanner(Params& params) const {
-    const common::ForceTable table = common::armTableOf(vehicle_);
-    return {vehicle_, table, readPlanner(params), common::wingTableOf(vehicle_, table)};
+    const vehicle::ForceTable table = vehicle::armTableOf(vehicle_);
+    return {vehicle_, table, readPlanner(params), vehicle::wingTableOf(vehicle_, table)};
   }
 
   TransitionPlannerNode(Handles& handles, Params params)
@@ -198,14 +198,14 @@ class TransitionPlannerNode {
   }
 
   /// Estimated mode; UNKNOWN if the estimate is old.
-  common::Mode mode() {
+  vehicle::Mode mode() {
     const planning::SwitchView now = view();
-    return now.mode_age <= settings_.fresh ? now.mode : common::Mode::UNKNOWN;
+    return now.mode_age <= settings_.fresh ? now.mode : vehicle::Mode::UNKNOWN;
   }
 
-  double probability(common::Mode mode) const {
+  double probability(vehicle::Mode mode) const {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return mode == common::Mode::FIXED_WING ? mode_.probability_fixed_wing : mode_.probability_quadrotor;
+    return mode == vehicle::Mode::FIXED_WING ? mode_.probability_fixed_wing : mode_.probability_quadrotor;
   }
 
   void onGoal(const SwitchModeGoal& goal) {
@@ -239,8 +239,8 @@ class TransitionPlannerNode {
   }
 
   void execute(const SwitchModeGoal& goal, Result& result) {
-    const common::Mode target = modeFromMessage(goal.target_mode);
-    if (target == common::Mode::UNKNOWN) {
+    const vehicle::Mode target = modeFromMessage(goal.target_mode);
+    if (target == vehicle::Mode::UNKNOWN) {
       finish(result, Result::NOT_READY, "the target mode must be 1 (fixed wing) or 2 (quadrotor)");
       return;
     }
@@ -253,7 +253,7 @@ class TransitionPlannerNode {
         return;
       }
     }
-    if (!plan(common::otherMode(target), target, result)) return;
+    if (!plan(vehicle::otherMode(target), target, result)) return;
     if (goal.plan_only) {
       finish(result, Result::SUCCEEDED, "planned only");
       return;
@@ -263,7 +263,7 @@ class TransitionPlannerNode {
 
   bool preempted() { return server_.isPreemptRequested() || !ros::ok(); }
 
-  void report(std::uint8_t stage, double since, common::Mode target) {
+  void report(std::uint8_t stage, double since, vehicle::Mode target) {
     Feedback feedback;
     feedback.stage = stage;
     feedback.elapsed = Clocks::read().steady - since;
@@ -273,7 +273,7 @@ class TransitionPlannerNode {
 
   /// An accepted plan for the same question is taken from memory: planning is deterministic. Reports ten times a second
   /// while it computes, however long that takes.
-  bool plan(common::Mode start, common::Mode target, Result& result) {
+  bool plan(vehicle::Mode start, vehicle::Mode target, Result& result) {
     const double since = Clocks::read().steady;
     if (!plans_.count(target)) {
       std::future<planning::TransitionPlan> answer = std::async(
@@ -303,7 +303,7 @@ class TransitionPlannerNode {
   }
 
   /// Does what the protocol says, fifty times a second.
-  void carryOut(common::Mode target, Result& result) {
+  void carryOut(vehicle::Mode target, Result& result) {
     // Ids go on counting up over restarts of this node.
     const std::uint32_t first_id = std::max(last_id_ + 1, ros::Time::now().sec);
     planning::SwitchProtocol protocol(settings_, target, result.plan.pulse.duration, first_id);
@@ -351,13 +351,13 @@ class TransitionPlannerNode {
     status.add("switch time [s]", last_result_.switch_seconds);
   }
 
-  common::Vehicle vehicle_;
-  rom::Trial trial_;
+  vehicle::Vehicle vehicle_;
+  vehicle::Trial trial_;
   planning::SwitchSettings settings_;
   std::string key_file_;  ///< of the link; empty = plans only
   std::string vehicle_id_;
   planning::PulsePlanner planner_;
-  std::map<common::Mode, TransitionPlan> plans_;  ///< accepted ones, by target
+  std::map<vehicle::Mode, TransitionPlan> plans_;  ///< accepted ones, by target
   std::uint32_t last_id_ = 0;
   link::Key key_{};
   mutable std::mutex mutex_;  ///< guards what follows

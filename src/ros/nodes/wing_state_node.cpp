@@ -21,8 +21,6 @@
 #include <optional>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/table_origin.h"
-#include "snapwing/common/wing_table.h"
 #include "snapwing/planning/mode_observer.h"
 #include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
@@ -30,6 +28,8 @@
 #include "snapwing/ros/params.h"
 #include "snapwing/ros/topics.h"
 #include "snapwing/ros/vehicle_picture.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/wing_table.h"
 
 namespace snapwing::nodes {
 
@@ -49,7 +49,7 @@ struct WingStateSettings {
   PictureSettings picture;
 };
 
-WingStateSettings readSettings(Params& params, const common::Vehicle& vehicle, const std::string& name_space) {
+WingStateSettings readSettings(Params& params, const vehicle::Vehicle& vehicle, const std::string& name_space) {
   WingStateSettings s;
   s.estimator.particles = params.integer("particles", 10, 20000);
   s.estimator.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
@@ -63,13 +63,13 @@ WingStateSettings readSettings(Params& params, const common::Vehicle& vehicle, c
   s.estimator.travel_error = params.number("travel_error", {0.0, 0.01}, "m");
   s.estimator.step = params.number("step", {1e-4, 0.01}, "s");
   s.estimator.sure = params.number("sure", {0.5, 0.9999}, "1");
-  s.estimator.mount = rom::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
-  s.estimator.wings = rom::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
+  s.estimator.mount = vehicle::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
+  s.estimator.wings = vehicle::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.estimator.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   s.estimator.longest_gap = params.number("longest_gap", {0.1, 10.0}, "s");
   s.estimator.validate();
   const std::string initial = params.choice("initial_mode", {"F", "Q", "unknown"});
-  s.observer.stated = initial == "unknown" ? common::Mode::UNKNOWN : common::modeFromName(initial);
+  s.observer.stated = initial == "unknown" ? vehicle::Mode::UNKNOWN : vehicle::modeFromName(initial);
   s.observer.input_delay = params.number("input_delay", {0.0, 0.5}, "s");
   s.observer.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
   s.observer.silence = params.number("silence", {0.05, 1.0}, "s");
@@ -94,8 +94,8 @@ class WingStateNode {
   WingStateNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
         settings_(readSettings(params, vehicle_, handles.relative.getNamespace())),
-        table_(common::armTableOf(vehicle_)),
-        wing_(common::wingTableOf(vehicle_, table_)),
+        table_(vehicle::armTableOf(vehicle_)),
+        wing_(vehicle::wingTableOf(vehicle_, table_)),
         observer_(planning::ModeEstimator(vehicle_, table_, settings_.estimator, wing_), observerSettings()),
         picture_(vehicle_, table_, settings_.picture) {
     params.finish();
@@ -120,7 +120,7 @@ class WingStateNode {
 
   planning::ObserverSettings observerSettings() const {
     planning::ObserverSettings settings = settings_.observer;
-    settings.idle_output = std::min(1.0, common::motorOutput(vehicle_.radio, 0.0) + 0.02);
+    settings.idle_output = std::min(1.0, vehicle::motorOutput(vehicle_.radio, 0.0) + 0.02);
     return settings;
   }
 
@@ -139,16 +139,17 @@ class WingStateNode {
   /// Mean motor output. A flight controller that is not armed, or in failsafe, turns nothing.
   double motorOutput(const LinkStatus& link) const {
     if (!link.controller_armed || link.controller_failsafe) return 0;
-    const common::Radio& radio = vehicle_.radio;
+    const vehicle::Radio& radio = vehicle_.radio;
     if (settings_.read_back) {
       double sum = 0;
       const std::size_t count =
           std::min<std::size_t>(link.motors.size(), static_cast<std::size_t>(vehicle_.rotors.count));
-      for (std::size_t i = 0; i < count; ++i) sum += common::motorOutputFromMicroseconds(radio, link.motors[i]);
+      for (std::size_t i = 0; i < count; ++i) sum += vehicle::motorOutputFromMicroseconds(radio, link.motors[i]);
       return count > 0 ? sum / static_cast<double>(count) : 0;
     }
     if (link.channels.size() < 3) return 0;
-    return common::motorOutput(radio, common::throttleFromMicroseconds(common::throttleScale(radio), link.channels[2]));
+    return vehicle::motorOutput(radio,
+                                common::throttleFromMicroseconds(vehicle::throttleScale(radio), link.channels[2]));
   }
 
   /// The operator tells that the ring is held and stands still, or is let go: until then the estimate's speed is 0.
@@ -229,13 +230,13 @@ class WingStateNode {
     state.mode = estimate.mode;
     state.stamp = ros::Time(report_.stamp);
     state.label = label();
-    if (estimate.mode == common::Mode::UNKNOWN) {
+    if (estimate.mode == vehicle::Mode::UNKNOWN) {
       state.alpha = 0.5;
-      state.ghost_travel = estimate.travelIn(common::otherMode(shown_));
+      state.ghost_travel = estimate.travelIn(vehicle::otherMode(shown_));
     }
     const bool fresh = observer_.links().age(clocks.now, clocks.steady) < 0.5;
     const double thrust =
-        fresh ? common::thrustFraction(vehicle_.rotors.quadratic_share.value, motorOutput(link_status_)) : 0;
+        fresh ? vehicle::thrustFraction(vehicle_.rotors.quadratic_share.value, motorOutput(link_status_)) : 0;
     state.thrust.assign(static_cast<std::size_t>(vehicle_.rotors.count), thrust);
     marker_publisher_.publish(picture_.draw(state));
   }
@@ -243,12 +244,12 @@ class WingStateNode {
   std::string label() const {
     const planning::ModeEstimate& estimate = report_.estimate;
     const double best = std::max(estimate.probability_fixed_wing, estimate.probability_quadrotor);
-    std::string text = estimate.mode == common::Mode::FIXED_WING  ? "FIXED WING"
-                       : estimate.mode == common::Mode::QUADROTOR ? "QUADROTOR"
-                                                                  : "mode not known";
+    std::string text = estimate.mode == vehicle::Mode::FIXED_WING  ? "FIXED WING"
+                       : estimate.mode == vehicle::Mode::QUADROTOR ? "QUADROTOR"
+                                                                   : "mode not known";
     char numbers[64];
     std::snprintf(numbers, sizeof numbers, "  %.0f %%   u = %.0f mm", 100 * best, 1000 * estimate.travelIn(shown_));
-    text += estimate.mode == common::Mode::UNKNOWN ? "\n" + estimate.reason : numbers;
+    text += estimate.mode == vehicle::Mode::UNKNOWN ? "\n" + estimate.reason : numbers;
     if (link_status_.controller_failsafe)
       text += "\nFAILSAFE";
     else if (!link_status_.bridge_fault.empty())
@@ -268,10 +269,10 @@ class WingStateNode {
       status.summary(DiagnosticStatus::ERROR, "the IMU " + imu);
     } else if (!link.empty()) {
       status.summary(DiagnosticStatus::WARN, "the link status " + link + ": motor outputs are not known");
-    } else if (estimate.mode == common::Mode::UNKNOWN) {
+    } else if (estimate.mode == vehicle::Mode::UNKNOWN) {
       status.summary(DiagnosticStatus::WARN, "mode not known: " + estimate.reason);
     } else {
-      status.summary(DiagnosticStatus::OK, "mode " + common::modeName(estimate.mode));
+      status.summary(DiagnosticStatus::OK, "mode " + vehicle::modeName(estimate.mode));
     }
     status.add("probability F", estimate.probability_fixed_wing);
     status.add("probability Q", estimate.probability_quadrotor);
@@ -291,14 +292,14 @@ class WingStateNode {
                readings.count(StampVerdict::UNSTAMPED) + observer_.notNumbers());
   }
 
-  common::Vehicle vehicle_;
+  vehicle::Vehicle vehicle_;
   WingStateSettings settings_;
-  common::ForceTable table_;
-  std::optional<common::WingTable> wing_;
+  vehicle::ForceTable table_;
+  std::optional<vehicle::WingTable> wing_;
   planning::ModeObserver observer_;
   VehiclePicture picture_;
   planning::ModeReport report_;
-  common::Mode shown_ = common::Mode::FIXED_WING;  ///< in pictures and frames
+  vehicle::Mode shown_ = vehicle::Mode::FIXED_WING;  ///< in pictures and frames
   double marker_stamp_ = 0;
   LinkStatus link_status_;
   ros::Publisher state_publisher_, marker_publisher_;

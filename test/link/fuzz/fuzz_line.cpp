@@ -5,9 +5,10 @@
 #include <cstdlib>
 
 #include "snapwing/link/controller_watch.h"
-#include "snapwing/link/standin_controller.h"
+#include "snapwing/standin/standin_controller.h"
 
 using namespace snapwing::link;
+using namespace snapwing::standin;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   ControllerWatch watch(MspVersion::V2, {});

@@ -1,5 +1,5 @@
 """A second stand-in flight controller, written from the measured rules alone (docs/safety.md, "What the stand-in does") and not from
-src/link/standin_*.cpp: bytes and times in, state and answers out. test_two_standins.py compares the two. Times in microseconds."""
+src/standin/standin_*.cpp: bytes and times in, state and answers out. test_two_standins.py compares the two. Times in microseconds."""
 import bisect
 import struct
 

@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/link/standin_port.h"
+#include "snapwing/standin/standin_port.h"
 
 using namespace snapwing;
 
 int main() {
   std::string protocol, hex;
   std::cin >> protocol;
-  link::StandinSettings settings;
+  standin::StandinSettings settings;
   settings.msp_rate = 96.037;  // no whole number of turns in half a second: nothing hangs on the last bit of a time
-  link::StandinController fc(settings, 0.0);
-  link::StandinPort port(protocol, fc, 0.0);
+  standin::StandinController fc(settings, 0.0);
+  standin::StandinPort port(protocol, fc, 0.0);
   long long time = 0;
   std::vector<std::uint8_t> bytes, answer(4096);
   while (std::cin >> time >> hex) {

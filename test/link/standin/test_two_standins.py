@@ -1,4 +1,4 @@
-"""The first stand-in flight controller (C++, src/link) against the second (second_standin.py), moment by moment: state, arming flags,
+"""The first stand-in flight controller (C++, src/standin) against the second (second_standin.py), moment by moment: state, arming flags,
 motors, channels shown and answers, over the measured vectors and over long random and damaged sequences of frames.
 usage: test_two_standins.py STANDIN_REPLAY [MINUTES of simulated time per protocol, default 3] [SEED]"""
 import random

@@ -1,0 +1,96 @@
+// Every point of a scene's curve, or of the shipped vehicle's arm, with all digits: what must not change by accident
+// when the solver is rebuilt. bench/curves runs it over config/scenes and compares two results.
+//   bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS     0: as the scene says
+//   bench_curves VEHICLE.yaml                           its arm in the plane
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "snapwing/scene/rung.h"
+#include "snapwing/statics/arm_problem.h"
+#include "snapwing/statics/scene_curve.h"
+#include "snapwing/vehicle/vehicle.h"
+
+namespace {
+
+using namespace snapwing;
+
+constexpr double TOLERANCE = 1e-12;
+
+void print(const char* word, const Eigen::VectorXd& values) {
+  std::printf("%s", word);
+  for (double v : values) std::printf(" %.17g", v);
+  std::printf("\n");
+}
+
+void print(const statics::PathResult& path) {
+  for (const statics::PathPoint& p : path.points) {
+    std::printf("point %.17g %.17g %.17g %.17g %.17g %d %d %d %d %d\n", p.control, p.force, p.stiffness, p.energy,
+                p.min_det_f, p.stable, p.negative_pivots, p.by_arc, p.iterations, p.factorizations);
+    print("z", p.solution);
+    print("multipliers", p.multipliers);
+  }
+  std::printf("end %s %d %d %d\n", solver::statusName(path.status).c_str(), path.iterations, path.factorizations,
+              path.projections);
+}
+
+void traceSceneFile(const std::string& file, const std::string& drive, double cell_size, int steps) {
+  scene::Scene scene = scene::loadScene(file);
+  scene.drive = solver::driveFromName(drive);
+  if (cell_size > 0) scene.cell_size = cell_size;
+  if (steps > 0) scene.steps = steps;
+  const auto compiled = scene::compileScene(scene, 1);
+  statics::TraceSettings settings;
+  settings.newton.relative_tolerance = TOLERANCE;
+  settings.method = statics::TraceMethod::AUTOMATIC;
+  const statics::SceneCurve curve =
+      statics::traceScene(scene, *compiled, settings, [](double, double) { return false; });
+  print(curve.path);
+  print(curve.back);
+  for (const auto& m : curve.monitors)
+    print("monitors", Eigen::Map<const Eigen::VectorXd>(m.data(), static_cast<Eigen::Index>(m.size())));
+  for (const mpm::MovingMass& m : curve.inertia)
+    std::printf("inertia %.17g %.17g %.17g\n", m.mass, m.kinetic, m.coupled);
+}
+
+void traceVehicle(const std::string& file) {
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(file);
+  const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
+                                      vehicle.material.mass_density.value};
+  const mpm::DensityField design =
+      mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
+  statics::ArmProblemSettings settings;
+  settings.cell_size = design.cell_size;
+  const statics::ArmProblem arm(vehicle.arm, material, design, settings);
+  statics::ArmCurveSettings curve_settings;
+  curve_settings.path.newton.relative_tolerance = TOLERANCE;
+  const statics::ArmCurve curve = statics::traceArm(arm, curve_settings);
+  const vehicle::ForceTable& t = curve.table;
+  for (std::size_t k = 0; k < t.travel.size(); ++k) {
+    std::printf("point %.17g %.17g %.17g %.17g %.17g %.17g %d %d\n", t.travel[k], t.force[k], t.stiffness[k],
+                t.energy[k], t.min_det_f[k], t.rotation[k], static_cast<int>(t.stable[k]),
+                static_cast<int>(t.iterations[k]));
+  }
+  std::printf("end %s %d %d %d\n", solver::statusName(curve.status).c_str(), curve.iterations, curve.factorizations,
+              curve.projections);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2 && argc != 5) {
+    std::fprintf(stderr, "usage: bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS | bench_curves VEHICLE.yaml\n");
+    return 2;
+  }
+  try {
+    if (argc == 2)
+      traceVehicle(argv[1]);
+    else
+      traceSceneFile(argv[1], argv[2], std::atof(argv[3]), std::atoi(argv[4]));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_curves: %s\n", error.what());
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,60 @@
+#pragma once
+/// A scene compiled to an equilibrium problem on background grids, in two or three dimensions.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snapwing/mpm/moving_mass.h"
+#include "snapwing/scene/scene.h"
+#include "snapwing/scene/scene_sensitivity.h"
+#include "snapwing/solver/problem.h"
+
+namespace snapwing::scene {
+
+/// Volume of the scene's material, each cell's weighted with its density as the scene gives it [m3].
+struct SceneVolume {
+  double modelled = 0;  ///< that of the cells' particles
+  double bodies = 0;    ///< that of the bodies as stated, by far finer samples
+};
+
+/// What a command needs to know, whatever the dimension. z are the problem's free coordinates, p its one control.
+class CompiledScene {
+ public:
+  virtual ~CompiledScene() = default;
+  virtual const solver::Problem& problem() const = 0;
+  /// Forces and energies of the whole are this times those of the problem.
+  virtual double multiplicity() const = 0;
+  /// What symmetry was used, in words; "none".
+  virtual const std::string& symmetry() const = 0;
+  virtual int cellCount() const = 0;
+  /// New densities, one per cell of all bodies, in [0, 1]. What holds a state of the problem (a Newton, a path) must
+  /// start anew. @throws common::Error for a wrong count or value
+  virtual void setDensities(const std::vector<double>& densities) = 0;
+  /// Values of the scene's monitors.
+  virtual std::vector<double> monitors(const Eigen::VectorXd& z, double p) const = 0;
+  /// One monitor at the solid's nodal displacements. @param gradient  if given, gets the derivative by them, (dofs x 1)
+  virtual double monitor(int number, const Eigen::VectorXd& displacements,
+                         Eigen::VectorXd* gradient = nullptr) const = 0;
+  /// Inertia of the whole against the control, with `slope` dz/dp along the path. The axis points against the direction
+  /// of the first port: what a frame feels whose port lags behind. Zero coupled mass without a port.
+  virtual mpm::MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const = 0;
+  /// Share of the material's volume in cells that were left out as slivers.
+  virtual double droppedShare() const = 0;
+  /// What cells, particles and left out slivers make of the bodies' volume. Costs up to seconds.
+  virtual SceneVolume volume() const = 0;
+  /// Derivatives at an equilibrium, whose `at` and `multipliers` must be those of a converged solve; both must outlive
+  /// the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
+  /// joint at the edge of a body
+  virtual std::unique_ptr<SceneSensitivity> sensitivity(const solver::Equilibrium& x) const = 0;
+  /// d(l . v)/drho_c of the scene's weight l, (cells x 1) [J]. @param v  nodal displacements, (dofs x 1) [m]
+  virtual Eigen::VectorXd weightByDensity(const Eigen::VectorXd& v) const = 0;
+  /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).
+  virtual std::string vtu(const Eigen::VectorXd& z, double p) const = 0;
+};
+
+/// @param threads  for assembly
+/// @throws common::Error naming the support, port, pin or joint that meets no material
+std::unique_ptr<CompiledScene> compileScene(const Scene& scene, int threads);
+
+}  // namespace snapwing::scene

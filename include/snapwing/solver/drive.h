@@ -1,0 +1,17 @@
+#pragma once
+/// How driven ports and joints are imposed.
+
+#include <string>
+
+namespace snapwing::solver {
+
+enum class Drive {
+  ELIMINATION,           ///< exactly, by eliminating unknowns
+  AUGMENTED_LAGRANGIAN,  ///< inner minimisation at fixed multipliers, outer updates lambda += rho g
+  MULTIPLIERS,           ///< Newton on the saddle point, by the Schur complement of the ties
+};
+/// As scene files and the command line write it. @throws common::Error
+Drive driveFromName(const std::string& name);
+std::string driveName(Drive drive);
+
+}  // namespace snapwing::solver

@@ -1,0 +1,108 @@
+#pragma once
+/// Newton's method on the potential of a problem, with the exact tangent, projection on demand and a line search.
+///
+/// Converged: |r| <= max(relative_tolerance * force_scale, forceFloor()). A step d solves H d = -r with the exact H;
+/// only if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps are shortened
+/// until the potential falls (Armijo) and no particle is turned inside out.
+
+#include <functional>
+#include <string>
+
+#include "snapwing/solver/problem.h"
+
+namespace snapwing::solver {
+
+enum class SolveStatus {
+  NOT_SOLVED,
+  CONVERGED,
+  ITERATION_LIMIT,
+  INVERTED_START,      ///< the first guess turns material inside out
+  LINE_SEARCH_FAILED,  ///< no step along the direction lowers the potential
+  SINGULAR,            ///< even the projected Hessian has no factor: something is not supported
+  CANCELLED,
+  JUMPED,  ///< the equilibrium that was found lies on another branch
+};
+std::string statusName(SolveStatus status);
+
+enum class Projection {
+  ON_DEMAND,  ///< exact tangent, projected only where it has no Cholesky factor
+  ALWAYS,     ///< negative eigenvalues always set to zero (the paper): for comparison
+  ABSOLUTE,   ///< eigenvalues always replaced by their magnitudes: for comparison
+};
+/// on_demand, clamp or absolute. @throws common::Error
+Projection projectionFromName(const std::string& name);
+/// What an iteration assembles when the exact tangent does not serve.
+inline Order projectedOrder(Projection projection) {
+  return projection == Projection::ABSOLUTE ? Order::ABSOLUTE : Order::PROJECTED;
+}
+
+struct NewtonSettings {
+  int max_iterations = 60;           ///< [1] >= 1
+  double relative_tolerance = 1e-9;  ///< [1] in (0, 1e-2]
+  Projection projection = Projection::ON_DEMAND;
+  /// Asked before each iteration; true stops.
+  std::function<bool()> cancelled;
+  /// @throws common::Error naming the field
+  void validate() const;
+};
+
+struct NewtonResult {
+  SolveStatus status = SolveStatus::NOT_SOLVED;
+  std::string message;                                         ///< what failed and where
+  int iterations = 0;                                          ///< linear systems solved
+  int factorizations = 0;                                      ///< tries of Cholesky, failed ones too
+  int inner_iterations = 0;                                    ///< of conjugate gradients with an earlier factor
+  int projections = 0;                                         ///< iterations that needed the projected Hessian
+  double residual = std::numeric_limits<double>::quiet_NaN();  ///< |r| [N]
+  bool converged() const { return status == SolveStatus::CONVERGED; }
+};
+
+/// Keeps the factor's symbolic part; one object per problem and thread.
+class Newton {
+ public:
+  /// @param problem  must outlive this
+  Newton(const Problem& problem, NewtonSettings settings);
+
+  /// @param p  controls
+  /// @param z  in: first guess; out: solution if converged, else where it stopped
+  /// On success `at` holds the evaluation of order TANGENT at z.
+  NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at);
+
+  /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none
+  /// does
+  bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
+
+  /// Forgets how earlier solves went: what follows depends on the next point and on the factor held only.
+  void forget() {
+    patience_ = 0;
+    old_factor_serves_ = true;
+    factor_is_recent_ = false;
+  }
+
+  /// Forgets the factor as well: what follows is what a new object would do.
+  void restart() {
+    forget();
+    cholesky_.drop();
+  }
+
+  Cholesky& cholesky() { return cholesky_; }
+  double secondsAssembly() const { return seconds_assembly_; }
+
+ private:
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at);
+  bool nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
+  bool direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
+                 NewtonResult& result);
+  double tolerance(const Evaluation& at) const;
+
+  const Problem& problem_;
+  NewtonSettings settings_;
+  Cholesky cholesky_;
+  Evaluation trial_;
+  int patience_ = 0;  ///< factorizations to wait before an old factor is tried again
+  bool old_factor_serves_ = true;
+  bool factor_is_recent_ = false;  ///< of an iterate of the solve that runs
+  double seconds_assembly_ = 0;
+};
+
+}  // namespace snapwing::solver

@@ -1,0 +1,38 @@
+#pragma once
+/// A thrust pulse and the way from a stick's throttle to thrust.
+
+#include <string>
+
+#include "snapwing/common/throttle_scale.h"
+#include "snapwing/vehicle/vehicle.h"
+
+namespace snapwing::vehicle {
+
+/// Rectangular pulse: throttle for a duration, then throttle low (motors at idle).
+struct Pulse {
+  double throttle = 0;  ///< [1] stick travel, 0 = throttle_low, 1 = throttle_high
+  double duration = 0;  ///< [s]
+};
+
+common::ThrottleScale throttleScale(const Radio& radio);
+/// The scale of a vehicle file. @throws common::FileError, common::SettingError
+common::ThrottleScale throttleScaleOf(const std::string& vehicle_file);
+
+/// Stick throttle [0,1] -> microseconds on the wire.
+double throttleMicroseconds(const Radio& radio, double throttle);
+
+/// Stick throttle [0,1] -> motor output s in [0,1], as the flight controller scales it while armed: idle below
+/// min_check, linear above (facts: 1100/1300/1500/1700/2000 us -> 1118/1314/1509/1706/1999).
+double motorOutput(const Radio& radio, double throttle);
+
+/// Motor output in microseconds, as the flight controller reports it -> s in [0,1]: MOTOR_OFF is 0, motor_full 1.
+double motorOutputFromMicroseconds(const Radio& radio, double microseconds);
+
+/// Motor output s in [0,1] -> share of the full thrust, q s^2 + (1-q) s.
+double thrustFraction(double quadratic_share, double motor_output);
+
+/// Throttle whose steady thrust is `fraction` of the full thrust. @param fraction within [idle's, 1]
+/// @throws Error if outside
+double throttleForThrust(const Vehicle& vehicle, double fraction);
+
+}  // namespace snapwing::vehicle

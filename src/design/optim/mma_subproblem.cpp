@@ -1,0 +1,86 @@
+#include "snapwing/design/optim/mma_subproblem.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace snapwing::design {
+
+/// Value, gradient and negative curvature of the dual with barrier, and the x that belongs to lambda.
+struct MmaSubproblem::Dual {
+  double value = 0;
+  Eigen::VectorXd gradient;  ///< of the dual alone
+  Eigen::MatrixXd curvature;
+  Eigen::VectorXd x;
+};
+
+Eigen::VectorXd MmaSubproblem::values(const Eigen::VectorXd& x) const {
+  const Eigen::VectorXd above = (high - x).cwiseInverse(), below = (x - low).cwiseInverse();
+  return r + p.transpose() * above + q.transpose() * below;
+}
+
+Eigen::VectorXd MmaSubproblem::primal(const Eigen::VectorXd& lambda) const {
+  Eigen::VectorXd weight(lambda.size() + 1);
+  weight << 1.0, lambda;
+  const Eigen::ArrayXd root_p = (p * weight).array().sqrt(), root_q = (q * weight).array().sqrt();
+  const Eigen::ArrayXd x = (root_p * low.array() + root_q * high.array()) / (root_p + root_q);
+  return x.max(alpha.array()).min(beta.array());
+}
+
+MmaSubproblem::Dual MmaSubproblem::dual(const Eigen::VectorXd& lambda, double barrier, bool curvature) const {
+  const int m = static_cast<int>(lambda.size());
+  Dual d;
+  d.x = primal(lambda);
+  const Eigen::VectorXd f = values(d.x);
+  const Eigen::VectorXd y = (lambda.array() - penalty).max(0.0);
+  d.gradient = f.tail(m) - y;
+  d.value = f(0) + lambda.dot(f.tail(m)) - 0.5 * y.squaredNorm() + barrier * lambda.array().log().sum();
+  if (!curvature) return d;
+  Eigen::VectorXd weight(m + 1);
+  weight << 1.0, lambda;
+  const Eigen::ArrayXd above = (high - d.x).array().inverse(), below = (d.x - low).array().inverse();
+  const Eigen::ArrayXd second = 2 * ((p * weight).array() * above.cube() + (q * weight).array() * below.cube());
+  const auto inside = d.x.array() > alpha.array() && d.x.array() < beta.array();
+  const Eigen::ArrayXd inverse = inside.select(second.inverse(), 0.0);
+  Eigen::MatrixXd slope(p.rows(), m);
+  for (int i = 0; i < m; ++i) {
+    slope.col(i) = p.col(i + 1).array() * above.square() - q.col(i + 1).array() * below.square();
+  }
+  d.curvature = slope.transpose() * inverse.matrix().asDiagonal() * slope;
+  for (int i = 0; i < m; ++i)
+    d.curvature(i, i) += (lambda(i) > penalty ? 1.0 : 0.0) + barrier / (lambda(i) * lambda(i));
+  return d;
+}
+
+Eigen::VectorXd MmaSubproblem::solve(Eigen::VectorXd* multipliers) const {
+  const int m = static_cast<int>(p.cols()) - 1;
+  if (m == 0) return primal(Eigen::VectorXd());
+  constexpr double LAST_BARRIER = 1e-9;
+  Eigen::VectorXd lambda = Eigen::VectorXd::Ones(m);
+  for (double barrier = 1; barrier > LAST_BARRIER; barrier *= 0.1) {
+    for (int k = 0; k < 60; ++k) {
+      const Dual at = dual(lambda, barrier, true);
+      const Eigen::VectorXd slope = at.gradient + barrier * lambda.cwiseInverse();
+      // Ascent in the scaled variable: the residual lambda * slope goes to zero at the centre.
+      if ((lambda.array() * slope.array()).abs().maxCoeff() < 0.1 * barrier) break;
+      const Eigen::VectorXd step = at.curvature.ldlt().solve(slope);
+      double length = 1;
+      for (int i = 0; i < m; ++i) {
+        if (step(i) < 0) length = std::min(length, -0.95 * lambda(i) / step(i));
+      }
+      const double rise = slope.dot(step);
+      bool moved = false;
+      for (int trial = 0; trial < 40 && !moved; ++trial, length *= 0.5) {
+        const Eigen::VectorXd candidate = lambda + length * step;
+        if (dual(candidate, barrier, false).value < at.value + 1e-4 * length * rise) continue;
+        lambda = candidate;
+        moved = true;
+      }
+      if (!moved) break;
+    }
+  }
+  if (multipliers) *multipliers = lambda;
+  return primal(lambda);
+}
+
+}  // namespace snapwing::design

@@ -1,0 +1,48 @@
+#include "snapwing/design/optim/optimizer.h"
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::design {
+
+std::string nameOf(OptimizerStatus status) {
+  switch (status) {
+    case OptimizerStatus::NOT_RUN:
+      return "not run";
+    case OptimizerStatus::CONVERGED:
+      return "converged";
+    case OptimizerStatus::ITERATION_LIMIT:
+      return "iteration limit";
+    case OptimizerStatus::INFEASIBLE:
+      return "infeasible";
+    case OptimizerStatus::EVALUATION_FAILED:
+      return "evaluation failed";
+    case OptimizerStatus::CANCELLED:
+      return "cancelled";
+  }
+  return "unknown";
+}
+
+OptimizerStatus optimizerStatusOf(const std::string& name) {
+  for (const OptimizerStatus status :
+       {OptimizerStatus::CONVERGED, OptimizerStatus::ITERATION_LIMIT, OptimizerStatus::INFEASIBLE,
+        OptimizerStatus::EVALUATION_FAILED, OptimizerStatus::CANCELLED}) {
+    if (nameOf(status) == name) return status;
+  }
+  return OptimizerStatus::NOT_RUN;
+}
+
+void OptimizerSettings::validate() const {
+  const auto check = [](bool good, const char* name, double value, const char* allowed) {
+    if (!good) throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);
+  };
+  check(iterations >= 1, "iterations", iterations, ">= 1");
+  check(move > 0 && move <= 1, "move", move, "(0, 1]");
+  check(tolerance >= 0 && tolerance < 1, "tolerance", tolerance, "[0, 1)");
+  check(feasibility > 0, "feasibility", feasibility, "> 0");
+  check(penalty > 0, "penalty", penalty, "> 0");
+  check(asymptote_start > 0 && asymptote_start <= 10, "asymptote_start", asymptote_start, "(0, 10]");
+  check(asymptote_shrink > 0 && asymptote_shrink < 1, "asymptote_shrink", asymptote_shrink, "(0, 1)");
+  check(asymptote_grow >= 1 && asymptote_grow < 3, "asymptote_grow", asymptote_grow, "[1, 3)");
+}
+
+}  // namespace snapwing::design

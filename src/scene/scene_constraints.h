@@ -1,0 +1,79 @@
+#pragma once
+/// Equations and loads of a scene on its cells (internal to the statics floor).
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene_cells.h"
+#include "snapwing/solver/reduction.h"
+#include "snapwing/solver/rigid_motion.h"
+
+namespace snapwing::scene {
+
+/// Nodes that follow one rigid motion: a rigid body, or the section of a pin. Its dofs stand behind those of the nodes.
+struct RigidGroup {
+  std::string name;
+  int body = 0;
+  std::vector<int> nodes;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< X_c [m]
+  int translation = 0;                               ///< dof of c_0
+  solver::Turning turning;                           ///< axes: what it may turn about if nothing else holds it
+};
+
+/// The axis along which a region is flat, or -1.
+template <int D>
+int flatAxis(const Box& region) {
+  for (int a = 0; a < D; ++a) {
+    if (std::isfinite(region.low(a)) && region.low(a) == region.high(a)) return a;
+  }
+  return -1;
+}
+
+template <int D>
+class Constraints {
+ public:
+  using Weights = std::vector<std::pair<int, double>>;  ///< (node, weight)
+
+  Constraints(const Scene& scene, const SceneCells<D>& cells);
+
+  std::vector<solver::Equation> equations() const;
+  /// Nodal forces per unit of the control, (dofs of the nodes x 1); empty if the scene has no such loads.
+  Eigen::MatrixXd loads() const;
+  /// Nodal forces of constant loads, without the weight; zero if there are none.
+  Eigen::VectorXd constantLoad() const;
+
+  int dofCount() const { return keptFrom() + D * D * static_cast<int>(groups_.size()); }
+  /// First dof that may not be eliminated: the entries of the rigid groups' rotations.
+  int keptFrom() const { return solid_.dofCount() + D * static_cast<int>(groups_.size()); }
+  /// How the rigid groups may turn, given what the reduction left open of their rotations.
+  /// @throws common::Error for what cannot be told: closed chains of rigid bodies, driven rotations
+  std::vector<solver::Turning> turnings(const std::vector<solver::Equation>& unresolved) const;
+
+ private:
+  void addGroup(const std::string& name, int body, std::vector<int> nodes, std::vector<Eigen::Vector3d> axes);
+  void findGroups();
+  void makeCylinder(const ScenePin& pin);
+  void moveRigidly(const RigidGroup& group, std::vector<solver::Equation>& list) const;
+  std::vector<Weights> regionGroups(int body, const Box& region) const;
+  std::vector<Weights> requireGroups(int body, const Box& region, const std::string& name) const;
+  void hold(const SceneSupport& support, bool required, std::vector<solver::Equation>& list) const;
+  void drive(const ScenePort& port, std::vector<solver::Equation>& list) const;
+  std::vector<Weights> axleLines(int body, double x, double y, const std::string& name) const;
+  Weights sectionMean(const ScenePin& pin) const;
+  void addPin(const ScenePin& pin, std::vector<solver::Equation>& list) const;
+  void tie(const std::string& name, const Weights& first, const Weights& second,
+           std::vector<solver::Equation>& list) const;
+  void tieSegment(const SceneJoint& joint, std::vector<solver::Equation>& list) const;
+  void tieFace(const SceneJoint& joint, std::vector<solver::Equation>& list) const;
+  void addJoint(const SceneJoint& joint, std::vector<solver::Equation>& list) const;
+  Eigen::VectorXd faceWeights(const SceneLoad& load) const;
+
+  const Scene& scene_;
+  const SceneCells<D>& cells_;
+  const mpm::Discretisation<D>& solid_;
+  std::vector<RigidGroup> groups_;
+};
+
+}  // namespace snapwing::scene

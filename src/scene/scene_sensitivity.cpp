@@ -1,0 +1,148 @@
+#include <cmath>
+
+#include "scene_constraints.h"
+#include "scene_sensitivity_of.h"
+#include "snapwing/common/error.h"
+
+namespace snapwing::scene {
+
+namespace {
+
+const solver::Problem& problemOf(const solver::TiedProblem* tied, const solver::Problem& solid) {
+  return tied != nullptr ? static_cast<const solver::Problem&>(*tied) : solid;
+}
+
+}  // namespace
+
+template <int D>
+SceneSensitivityOf<D>::SceneSensitivityOf(SensitivityParts<D> parts, const solver::Equilibrium& x)
+    : parts_(std::move(parts)),
+      x_(x),
+      cholesky_(problemOf(parts_.tied, parts_.solid).pattern()),
+      system_(problemOf(parts_.tied, parts_.solid), cholesky_) {
+  if (system_.factorize(x_.at.hessian) < 0) {
+    throw common::Error("sensitivities do not exist at control " + std::to_string(x_.p(0)) +
+                        ": the Hessian is singular there (a limit point, a bifurcation or a free motion)");
+  }
+  Eigen::VectorXd load, control_part;
+  problemOf(parts_.tied, parts_.solid).controlTangent(x_.at, Eigen::VectorXd::Ones(1), load, control_part);
+  Eigen::VectorXd driven;
+  if (parts_.tied != nullptr) driven = parts_.tied->ties().control.col(0);
+  system_.solve(-load, driven, slope_, multiplier_slope_);
+  if (parts_.tied == nullptr) return;
+  force_ = x_.multipliers + parts_.tied->penalty() * parts_.tied->gap(x_.z, x_.p);
+  moveJoints();
+}
+
+template <int D>
+void SceneSensitivityOf<D>::moveJoints() {
+  for (int joint = 0; joint < static_cast<int>(parts_.scene.joints.size()); ++joint) {
+    if (parts_.scene.joints[joint].kind == JointKind::FACE) continue;
+    joints_.push_back(joint);
+    for (const int axis : {0, 1}) rows_.push_back(movedTies(joint, axis));
+  }
+}
+
+template <int D>
+solver::Ties SceneSensitivityOf<D>::movedTies(int joint, int axis) const {
+  constexpr double SHARE = 1e-3;  // of a cell
+  const double step = SHARE * parts_.scene.cell_size;
+  solver::Ties at[2];
+  for (const int side : {0, 1}) {
+    Scene moved = parts_.scene;
+    SceneJoint& place = moved.joints[joint];
+    const double by = side == 0 ? -step : step;
+    (axis == 0 ? place.x : place.y) += by;
+    place.from(axis) += by;
+    place.to(axis) += by;
+    const SceneCells<D> cells(moved, parts_.mirror);
+    at[side] = solver::makeTies(parts_.solid.solid().dofCount(), 1, Constraints<D>(moved, cells).equations(),
+                                parts_.solid.reduction());
+    if (at[side].equation != parts_.tied->ties().equation) {
+      throw common::Error("joint '" + place.name + "' lies within " + std::to_string(step) +
+                          " m of the edge of a body or of another tie: it has no derivative by its place");
+    }
+  }
+  at[1].rows = Eigen::SparseMatrix<double, Eigen::RowMajor>((at[1].rows - at[0].rows) / (2 * step));
+  at[1].control = (at[1].control - at[0].control) / (2 * step);
+  at[1].constant = (at[1].constant - at[0].constant) / (2 * step);
+  return at[1];
+}
+
+/// Directions of nodal displacements, without the rigid groups' dofs.
+template <int D>
+Eigen::VectorXd SceneSensitivityOf<D>::nodal(const Eigen::VectorXd& dz, double dp) const {
+  return parts_.solid.reduction()
+      .expandDirection(dz, Eigen::VectorXd::Constant(1, dp))
+      .head(parts_.solid.solid().dofCount());
+}
+
+template <int D>
+Eigen::VectorXd SceneSensitivityOf<D>::densitySlope(const Eigen::VectorXd& v) const {
+  return parts_.solid.solid().densityDerivative(x_.at.displacements, v) - parts_.weight.densitySlope(v);
+}
+
+template <int D>
+SceneSlope SceneSensitivityOf<D>::reaction() const {
+  SceneSlope result;
+  result.density = densitySlope(nodal(slope_, 1));
+  result.joint.resize(joints_.size(), 2);
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    result.joint(k / 2, k % 2) =
+        multiplier_slope_.dot(rows_[k].gap(x_.z, x_.p)) + force_.dot(rows_[k].rows * slope_ - rows_[k].control.col(0));
+  }
+  return result;
+}
+
+template <int D>
+SceneSlope SceneSensitivityOf<D>::potential() const {
+  SceneSlope result;
+  result.density =
+      parts_.solid.solid().densityDerivative(x_.at.displacements, {}) - parts_.weight.densitySlope(x_.at.displacements);
+  result.joint.resize(joints_.size(), 2);
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    result.joint(k / 2, k % 2) = force_.dot(rows_[k].gap(x_.z, x_.p));
+  }
+  return result;
+}
+
+template <int D>
+SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) const {
+  const solver::Reduction& reduction = parts_.solid.reduction();
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(reduction.dofCount()), w, nu;
+  all.head(gradient.size()) = gradient;
+  const Eigen::VectorXd closed = Eigen::VectorXd::Zero(force_.size());
+  system_.solve(reduction.restrictToFree(all), closed, w, nu);
+  SceneSlope result;
+  result.density = -densitySlope(nodal(w, 0));
+  result.joint.resize(joints_.size(), 2);
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    result.joint(k / 2, k % 2) = -force_.dot(rows_[k].rows * w) - nu.dot(rows_[k].gap(x_.z, x_.p));
+  }
+  return result;
+}
+
+template <int D>
+SceneSlope SceneSensitivityOf<D>::compliance() const {
+  SceneSlope result = functional(parts_.solid.loadAt(x_.p));
+  result.density += parts_.weight.densitySlope(x_.at.displacements);  // the weight is part of the functional itself
+  return result;
+}
+
+template <int D>
+SceneSlope SceneSensitivityOf<D>::monitor(int number) const {
+  return functional(parts_.monitors.col(number));
+}
+
+template <int D>
+SceneSlope SceneSensitivityOf<D>::volume() const {
+  SceneSlope result;
+  result.density = solver::cellVolumes(parts_.solid.solid());
+  result.joint = Eigen::MatrixXd::Zero(joints_.size(), 2);
+  return result;
+}
+
+template class SceneSensitivityOf<2>;
+template class SceneSensitivityOf<3>;
+
+}  // namespace snapwing::scene

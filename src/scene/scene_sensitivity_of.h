@@ -1,0 +1,59 @@
+#pragma once
+/// Sensitivities of a scene in D dimensions (internal to the statics floor).
+
+#include <string>
+
+#include "scene_cells.h"
+#include "scene_weight.h"
+#include "snapwing/scene/scene_sensitivity.h"
+#include "snapwing/solver/sensitivity.h"
+
+namespace snapwing::scene {
+
+/// What a compiled scene shares with its sensitivities; all must outlive them.
+template <int D>
+struct SensitivityParts {
+  const Scene& scene;
+  const Mirror& mirror;
+  const solver::SolidProblem<D>& solid;
+  const Weight<D>& weight;
+  const solver::TiedProblem* tied;  ///< null: everything is eliminated
+  /// Gradients of the monitors by the nodal displacements at the equilibrium, (dofs x monitors).
+  Eigen::MatrixXd monitors;
+};
+
+template <int D>
+class SceneSensitivityOf : public SceneSensitivity {
+ public:
+  /// @throws common::Error if the Hessian is singular there, or if a joint lies so close to the edge of a body that it
+  /// cannot be moved
+  SceneSensitivityOf(SensitivityParts<D> parts, const solver::Equilibrium& x);
+
+  const std::vector<int>& joints() const override { return joints_; }
+  SceneSlope reaction() const override;
+  SceneSlope potential() const override;
+  SceneSlope compliance() const override;
+  SceneSlope volume() const override;
+  SceneSlope monitor(int number) const override;
+
+ private:
+  void moveJoints();
+  /// d(rows, control, constant) of the ties by a joint's coordinate.
+  solver::Ties movedTies(int joint, int axis) const;
+  /// Total derivative of a functional of the displacements: `gradient` by the nodes, at fixed theta.
+  SceneSlope functional(const Eigen::VectorXd& gradient) const;
+  /// d(r . v)/drho_c of the nodal residual r = dE/du - l, (cells x 1) [N m].
+  Eigen::VectorXd densitySlope(const Eigen::VectorXd& v) const;
+  Eigen::VectorXd nodal(const Eigen::VectorXd& dz, double dp) const;
+
+  SensitivityParts<D> parts_;
+  const solver::Equilibrium x_;
+  solver::Cholesky cholesky_;
+  solver::TangentSystem system_;
+  Eigen::VectorXd slope_, multiplier_slope_;  ///< dz/dp, dlambda/dp
+  Eigen::VectorXd force_;                     ///< of the ties: lambda + rho g
+  std::vector<int> joints_;
+  std::vector<solver::Ties> rows_;  ///< two per joint
+};
+
+}  // namespace snapwing::scene

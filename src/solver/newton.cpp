@@ -1,0 +1,187 @@
+#include "snapwing/solver/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
+#include "snapwing/solver/conjugate_gradients.h"
+
+namespace snapwing::solver {
+
+namespace {
+constexpr int OLD_FACTOR_STEPS = 8;  ///< with the factor of another point, fewer do not help
+constexpr int OLD_FACTOR_PAUSE = 3;  ///< factorizations before the next try, after one that was in vain
+}  // namespace
+
+std::string statusName(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::NOT_SOLVED:
+      return "not solved";
+    case SolveStatus::CONVERGED:
+      return "converged";
+    case SolveStatus::ITERATION_LIMIT:
+      return "iteration limit";
+    case SolveStatus::INVERTED_START:
+      return "first guess turns material inside out";
+    case SolveStatus::LINE_SEARCH_FAILED:
+      return "line search failed";
+    case SolveStatus::SINGULAR:
+      return "singular";
+    case SolveStatus::CANCELLED:
+      return "cancelled";
+    case SolveStatus::JUMPED:
+      return "jumped to another branch";
+  }
+  return "unknown";
+}
+
+Projection projectionFromName(const std::string& name) {
+  if (name == "on_demand") return Projection::ON_DEMAND;
+  if (name == "clamp") return Projection::ALWAYS;
+  if (name == "absolute") return Projection::ABSOLUTE;
+  throw common::Error("projection is '" + name + "'; allowed: on_demand, clamp, absolute");
+}
+
+void NewtonSettings::validate() const {
+  if (max_iterations < 1)
+    throw common::Error("max_iterations is " + std::to_string(max_iterations) + "; allowed: >= 1");
+  if (!(relative_tolerance > 0 && relative_tolerance <= 1e-2)) {
+    throw common::Error("relative_tolerance is " + common::toText(relative_tolerance) + "; allowed: (0, 0.01]");
+  }
+}
+
+Newton::Newton(const Problem& problem, NewtonSettings settings)
+    : problem_(problem), settings_(std::move(settings)), cholesky_(problem.pattern()) {
+  settings_.validate();
+}
+
+void Newton::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at) {
+  const double begin = secondsNow();
+  problem_.evaluate(z, p, order, at);
+  seconds_assembly_ += secondsNow() - begin;
+}
+
+double Newton::tolerance(const Evaluation& at) const {
+  return std::max(settings_.relative_tolerance * at.force_scale, problem_.forceFloor());
+}
+
+/// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.
+bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result) {
+  if (settings_.projection != Projection::ON_DEMAND || !cholesky_.definite() || !old_factor_serves_) return false;
+  // Exact enough for Newton's convergence to stay what it is, and no more exact than the end asks for.
+  const double norm = at.residual.norm();
+  const double wanted = std::max(0.1 * tolerance(at), 1e-3 * norm);
+  // A step of conjugate gradients costs a solve and a product with the matrix.
+  const int worth = static_cast<int>(0.5 * cholesky_.factorCostInSolves());
+  if (!factor_is_recent_ && (worth < OLD_FACTOR_STEPS || patience_-- > 0)) return false;
+  const int limit = std::max(worth, 4);
+  const CgResult cg = conjugateGradients(problem_.pattern(), at.hessian, cholesky_, -at.residual, wanted, limit, d);
+  result.inner_iterations += cg.iterations;
+  if (!cg.converged || !d.allFinite()) {
+    patience_ = OLD_FACTOR_PAUSE;
+    return false;
+  }
+  patience_ = 0;
+  ++result.iterations;
+  return true;
+}
+
+bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
+                       NewtonResult& result) {
+  if (nearby(at, d, result)) return true;
+  bool good = false;
+  if (settings_.projection == Projection::ON_DEMAND) {
+    ++result.factorizations;
+    good = cholesky_.factorize(at.hessian);
+    factor_is_recent_ = good;
+  }
+  if (!good) {
+    factor_is_recent_ = false;
+    evaluate(z, p, projectedOrder(settings_.projection), trial_);
+    ++result.projections;
+    std::vector<double>& hessian = trial_.hessian;
+    double largest = 0;
+    const SparsePattern& pattern = problem_.pattern();
+    for (int c = 0; c < pattern.size; ++c) largest = std::max(largest, std::abs(hessian[pattern.start[c]]));
+    // A projected Hessian may still be singular to rounding: a small shift then stands in for what is missing.
+    for (const double shift : {0.0, 1e-10, 1e-6, 1e-3}) {
+      if (shift > 0) {
+        for (int c = 0; c < pattern.size; ++c) hessian[pattern.start[c]] += shift * largest;
+      }
+      ++result.factorizations;
+      if ((good = cholesky_.factorize(hessian))) break;
+    }
+  }
+  if (!good) return false;
+  d = -cholesky_.solve(at.residual);
+  ++result.iterations;
+  return d.allFinite();
+}
+
+bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at) {
+  const double slope = at.residual.dot(d);
+  // Near the solution differences of the energy are rounding; slopes of it are not, and decide there instead
+  // (approximate Wolfe conditions, Hager and Zhang 2005).
+  const double rounding =
+      std::max(1e-10 * (std::abs(at.elastic_energy) + std::abs(at.energy - at.elastic_energy)), problem_.energyFloor());
+  double length = 1;
+  for (int trial = 0; trial < 40; ++trial, length *= 0.5) {
+    const Eigen::VectorXd candidate = z + length * d;
+    evaluate(candidate, p, trial == 0 ? Order::TANGENT : Order::STRESS, trial_);
+    if (!trial_.finite) continue;
+    const bool lower = trial_.energy <= at.energy + 1e-4 * length * slope;
+    const double slope_there = trial_.residual.dot(d);
+    const bool flatter =
+        trial_.energy <= at.energy + rounding && slope_there >= 0.9 * slope && slope_there <= -0.998 * slope;
+    if (!lower && !flatter) continue;
+    if (trial > 0) evaluate(candidate, p, Order::TANGENT, trial_);
+    z = candidate;
+    std::swap(at, trial_);
+    return true;
+  }
+  return false;
+}
+
+NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at) {
+  NewtonResult result;
+  const auto finish = [&](SolveStatus status, const std::string& message) {
+    result.status = status;
+    result.message = message;
+    return result;
+  };
+  evaluate(z, p, Order::TANGENT, at);
+  if (!at.finite) {
+    std::ostringstream text;
+    text << "det F = " << at.min_det_f << " in " << problem_.describeCell(at.min_det_f_cell);
+    return finish(SolveStatus::INVERTED_START, text.str());
+  }
+  Eigen::VectorXd d;
+  factor_is_recent_ = false;
+  for (int iteration = 0;; ++iteration) {
+    const double before = result.residual;
+    result.residual = at.residual.norm();
+    // An old factor is for the last digits of a solution that is near, not for the way there, nor for rounding.
+    old_factor_serves_ = iteration == 0 || result.residual < 0.1 * before;
+    if (result.residual <= tolerance(at)) return finish(SolveStatus::CONVERGED, "");
+    if (iteration == settings_.max_iterations) break;
+    if (settings_.cancelled && settings_.cancelled()) return finish(SolveStatus::CANCELLED, "cancelled");
+    if (!direction(z, p, at, d, result)) {
+      return finish(SolveStatus::SINGULAR,
+                    "the Hessian has no Cholesky factor even when projected: is every body supported?");
+    }
+    if (!lineSearch(p, d, z, at)) {
+      std::ostringstream text;
+      text << "no shorter step lowers the energy; |r| = " << result.residual << " N, smallest det F = " << at.min_det_f
+           << " in " << problem_.describeCell(at.min_det_f_cell);
+      return finish(SolveStatus::LINE_SEARCH_FAILED, text.str());
+    }
+  }
+  std::ostringstream text;
+  text << "|r| = " << result.residual << " N after " << result.iterations << " iterations, wanted " << tolerance(at);
+  return finish(SolveStatus::ITERATION_LIMIT, text.str());
+}
+
+}  // namespace snapwing::solver

@@ -1,0 +1,64 @@
+#include "snapwing/vehicle/pulse.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "snapwing/common/error.h"
+
+namespace snapwing::vehicle {
+
+namespace {
+void requireShare(const char* name, double value) {
+  if (!(value >= 0.0 && value <= 1.0)) {
+    throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: 0 .. 1");
+  }
+}
+}  // namespace
+
+common::ThrottleScale throttleScale(const Radio& radio) {
+  return {radio.throttle_low, radio.throttle_high, radio.min_check, radio.motor_idle, radio.motor_full};
+}
+
+common::ThrottleScale throttleScaleOf(const std::string& vehicle_file) {
+  return throttleScale(loadVehicle(vehicle_file).radio);
+}
+
+double throttleMicroseconds(const Radio& radio, double throttle) {
+  return common::throttleMicroseconds(throttleScale(radio), throttle);
+}
+
+double motorOutputFromMicroseconds(const Radio& radio, double microseconds) {
+  if (!std::isfinite(microseconds)) throw common::Error("motor output is not finite; allowed: microseconds");
+  return std::clamp((microseconds - common::MOTOR_OFF) / (radio.motor_full - common::MOTOR_OFF), 0.0, 1.0);
+}
+
+double motorOutput(const Radio& radio, double throttle) {
+  const double stick = throttleMicroseconds(radio, throttle);
+  const double above = (stick - radio.min_check) / (radio.throttle_high - radio.min_check);
+  const double out = radio.motor_idle + std::max(0.0, above) * (radio.motor_full - radio.motor_idle);
+  return motorOutputFromMicroseconds(radio, out);
+}
+
+double thrustFraction(double quadratic_share, double motor_output) {
+  requireShare("motor output", motor_output);
+  return motor_output * (quadratic_share * motor_output + (1.0 - quadratic_share));
+}
+
+double throttleForThrust(const Vehicle& vehicle, double fraction) {
+  const double q = vehicle.rotors.quadratic_share.value;
+  const Radio& radio = vehicle.radio;
+  const double idle = thrustFraction(q, motorOutput(radio, 0.0));
+  if (!(fraction >= idle && fraction <= 1.0)) {
+    throw common::Error("thrust fraction is " + std::to_string(fraction) + "; allowed: " + std::to_string(idle) +
+                        " (motors idle) .. 1");
+  }
+  // q s^2 + (1-q) s = fraction, in the form that has no cancellation and needs no special case for q = 0.
+  const double linear = 1.0 - q;
+  const double s = 2.0 * fraction / (linear + std::sqrt(linear * linear + 4.0 * q * fraction));
+  const double microseconds = common::MOTOR_OFF + s * (radio.motor_full - common::MOTOR_OFF);
+  const double above = (microseconds - radio.motor_idle) / (radio.motor_full - radio.motor_idle);
+  const double stick = radio.min_check + above * (radio.throttle_high - radio.min_check);
+  return common::throttleFromMicroseconds(throttleScale(radio), stick);
+}
+
+}  // namespace snapwing::vehicle

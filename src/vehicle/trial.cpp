@@ -1,0 +1,70 @@
+#include "snapwing/vehicle/trial.h"
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/vehicle/vehicle.h"
+#include "snapwing/vehicle/wing_table.h"
+
+namespace snapwing::vehicle {
+
+Mount mountFromName(const std::string& text) {
+  if (text == "free") return Mount::FREE;
+  if (text == "boom") return Mount::BOOM;
+  if (text == "held") return Mount::HELD;
+  throw common::Error("mount is '" + text + "'; allowed: free, boom, held");
+}
+
+Mount mountFor(const Vehicle& vehicle, const std::string& text, const std::string& who) {
+  if (text == "auto") return vehicle.boom.given ? Mount::BOOM : Mount::FREE;
+  const Mount mount = mountFromName(text);
+  if (mount == Mount::BOOM) vehicle.requireBoom(who);
+  return mount;
+}
+
+std::string mountName(Mount mount) {
+  switch (mount) {
+    case Mount::FREE:
+      return "free";
+    case Mount::BOOM:
+      return "boom";
+    case Mount::HELD:
+      break;
+  }
+  return "held";
+}
+
+std::optional<bool> wingsFromName(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  if (text == "on" || text == "off") return text == "on";
+  throw common::Error("wings is '" + text + "'; allowed: auto, on, off");
+}
+
+std::string wingsName(const std::optional<bool>& wings) {
+  if (!wings) return "auto";
+  return *wings ? "on" : "off";
+}
+
+namespace {
+void require(bool good, const char* name, double value, const char* allowed) {
+  if (!good)
+    throw common::Error(std::string("trial: ") + name + " is " + std::to_string(value) + "; allowed: " + allowed);
+}
+void requireShare(const char* name, const std::optional<double>& share) {
+  if (share) require(*share >= 0.0 && *share <= 1.0, name, *share, "0 .. 1");
+}
+}  // namespace
+
+void Trial::validate() const {
+  require(std::abs(gravity) <= 100.0, "gravity", gravity, "-100 .. 100 m/s2");
+  require(std::abs(initial_speed) <= 200.0, "initial_speed", initial_speed, "-200 .. 200 m/s");
+  require(mount != Mount::HELD || initial_speed == 0.0, "initial_speed", initial_speed, "0 when the ring is held");
+  require(std::isfinite(push), "push", push, "a finite force");
+  require(mount != Mount::HELD || push == 0.0, "push", push, "0 when the ring is held");
+  require(horizon > 0.0 && horizon <= 60.0, "horizon", horizon, "above 0, up to 60 s");
+  if (wings.value_or(false) && mount == Mount::BOOM) refuseWingsOnBoom("trial");
+  requireShare("initial_thrust_fraction", initial_thrust_fraction);
+  requireShare("final_thrust_fraction", final_thrust_fraction);
+}
+
+}  // namespace snapwing::vehicle

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "snapwing/common/error.h"
+#include "snapwing/solver/reduction.h"
+#include "snapwing/solver/sparse.h"
+
+namespace snapwing::solver {
+namespace {
+
+/// Chain of springs with a given diagonal shift.
+void chain(int n, double shift, SparsePattern& pattern, std::vector<double>& values, Eigen::MatrixXd& dense) {
+  pattern = {};
+  values.clear();
+  pattern.size = n;
+  pattern.start = {0};
+  dense = Eigen::MatrixXd::Zero(n, n);
+  for (int c = 0; c < n; ++c) {
+    pattern.row.push_back(c);
+    values.push_back(2 + shift);
+    dense(c, c) = 2 + shift;
+    if (c + 1 < n) {
+      pattern.row.push_back(c + 1);
+      values.push_back(-1);
+      dense(c + 1, c) = dense(c, c + 1) = -1;
+    }
+    pattern.start.push_back(static_cast<int>(pattern.row.size()));
+  }
+}
+
+TEST(Cholesky, SolvesAndKnowsDefiniteness) {
+  for (const int n : {1, 7, 500}) {
+    SparsePattern pattern;
+    std::vector<double> values;
+    Eigen::MatrixXd dense;
+    chain(n, 0, pattern, values, dense);
+    Cholesky cholesky(pattern);
+    EXPECT_THROW(cholesky.solve(Eigen::VectorXd(Eigen::VectorXd::Ones(n))), common::Error);
+    ASSERT_TRUE(cholesky.factorize(values));
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, 1, 2);
+    EXPECT_LT((dense * cholesky.solve(b) - b).norm(), 1e-9 * b.norm() * n);
+    EXPECT_LT((pattern.multiply(values, b) - dense * b).norm(), 1e-12 * n);
+    chain(n, -0.5, pattern, values, dense);
+    const int negative = (Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense).eigenvalues().array() < 0).count();
+    EXPECT_EQ(cholesky.factorize(values), negative == 0);
+    EXPECT_EQ(cholesky.factorizeIndefinite(values), negative);
+    EXPECT_LT((dense * cholesky.solve(b) - b).norm(), 1e-7 * b.norm() * n);
+    // A good matrix afterwards is factorised as if nothing had happened.
+    chain(n, 0.1, pattern, values, dense);
+    ASSERT_TRUE(cholesky.factorize(values));
+    EXPECT_LT((dense * cholesky.solve(b) - b).norm(), 1e-9 * b.norm() * n);
+  }
+}
+
+TEST(Reduction, EliminatesChainedEquations) {
+  // u0 = p; u1 + u2 = 0; u2 = u3 + 1; the last repeats the first two.
+  const std::vector<Equation> equations = {{{{0, 1.0}}, {{0, 1.0}}, 0, "drive"},
+                                           {{{1, 1.0}, {2, 1.0}}, {}, 0, "pair"},
+                                           {{{2, 1.0}, {3, -1.0}}, {}, 1, "offset"},
+                                           {{{0, 2.0}, {1, 1.0}, {2, 1.0}}, {{0, 2.0}}, 0, "again"}};
+  const Reduction r(5, 1, equations);
+  EXPECT_EQ(r.freeCount(), 2);
+  ASSERT_EQ(r.redundant().size(), 1u);
+  EXPECT_EQ(r.redundant()[0], "again");
+  const Eigen::VectorXd u = r.expand(Eigen::Vector2d(0.3, -2), Eigen::VectorXd::Constant(1, 7));
+  for (const Equation& e : equations) {
+    double left = 0, right = e.constant;
+    for (const auto& [dof, value] : e.terms) left += value * u(dof);
+    for (const auto& [k, value] : e.control) right += value * 7;
+    EXPECT_NEAR(left, right, 1e-14) << e.name;
+  }
+  EXPECT_TRUE(r.expand(r.freePart(u), Eigen::VectorXd::Constant(1, 7)).isApprox(u));
+  // Restriction is the transpose of expansion.
+  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(5, 1, 3), dz = Eigen::Vector2d(0.2, 5),
+                        dp = Eigen::VectorXd::Constant(1, -3);
+  EXPECT_NEAR(f.dot(r.expandDirection(dz, dp)), r.restrictToFree(f).dot(dz) + r.restrictToControl(f).dot(dp), 1e-12);
+}
+
+TEST(Reduction, RefusesContradictions) {
+  const Equation held{{{0, 1.0}}, {}, 0, "wall"};
+  EXPECT_THROW(Reduction(2, 1, {held, {{{0, 1.0}}, {{0, 1.0}}, 0, "port"}}), common::Error);
+  EXPECT_THROW(Reduction(2, 1, {held, {{{0, 2.0}}, {}, 1e-3, "other wall"}}), common::Error);
+  EXPECT_NO_THROW(Reduction(2, 1, {held, held}));
+}
+
+}  // namespace
+}  // namespace snapwing::solver
