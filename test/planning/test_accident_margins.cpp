@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "snapwing/planning/accident_margins.h"
-#include "snapwing/vehicle/table_origin.h"
 #include "support/example_table.h"
+#include "support/example_wing.h"
 #include "support/paths.h"
 
 namespace snapwing::planning {
@@ -54,7 +54,7 @@ TEST(AccidentMargins, FollowTheForceScale) {
 TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const vehicle::ForceTable table = snapwing::testing::exampleTable();
-  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, vehicle::armTableOf(vehicle));
+  const std::optional<vehicle::WingTable> wing = snapwing::testing::exampleTableWing(vehicle);
   const auto without = accidentMargins(vehicle, table), with = accidentMargins(vehicle, table, wing);
   EXPECT_GT(find(with, "sudden thrust in F").limit, 1.1 * find(without, "sudden thrust in F").limit);
   // Held upright, the wings' weight pulls the ring side down and the centre up: at the peak S g is carried too.

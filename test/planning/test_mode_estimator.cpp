@@ -7,8 +7,8 @@
 #include "snapwing/planning/mode_estimator.h"
 #include "snapwing/standin/plant.h"
 #include "snapwing/vehicle/pulse.h"
-#include "snapwing/vehicle/table_origin.h"
 #include "support/example_table.h"
+#include "support/example_wing.h"
 #include "support/paths.h"
 
 namespace snapwing::planning {
@@ -71,7 +71,7 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
 }
 
 TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
-  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle_, vehicle::armTableOf(vehicle_));
+  const std::optional<vehicle::WingTable> wing = snapwing::testing::exampleTableWing(vehicle_);
   standin::PlantSettings flight;
   flight.mount = standin::PlantMount::FREE;
   EstimatorSettings settings;
@@ -161,25 +161,39 @@ TEST_F(EstimatorTest, ALastingForceIsNoTouch) {
 }
 
 TEST_F(EstimatorTest, ThrustThatNeverCameIsNotASwitch) {
-  // The frames say pulse, but no motor turns: what the readings show counts, and nobody is sure of F for it.
-  const double down = vehicle::motorOutput(vehicle_.radio, 1.0);
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    time_ = 0;
-    standin::Plant plant(vehicle_, table_, standin::drawParameters(vehicle_, table_, seed));
-    plant.reset(Mode::QUADROTOR);
-    ModeEstimator estimator(vehicle_, table_);
-    estimator.reset(0.0, Mode::QUADROTOR);
-    run(plant, estimator, idle_, 0.5);
-    std::normal_distribution<double> noise(0.1, 0.3);
-    estimator.motorOutput(time_, down);
-    for (const double end = time_ + 0.6; time_ < end;) {
-      plant.advanceTo(time_ += 0.005);  // still idle
-      estimator.accelerometer(time_, plant.centreSpecificForce() + noise(random_));
-      EXPECT_NE(estimator.estimate().mode, Mode::FIXED_WING) << seed << " at " << time_;
+  // A pulse that switches this vehicle is commanded, and no motor turns: what the readings show counts.
+  struct Case {
+    Mode start;
+    double output, length;
+  };
+  for (const Case& c : {Case{Mode::FIXED_WING, vehicle::motorOutput(vehicle_.radio, 0.7), 0.17},
+                        Case{Mode::QUADROTOR, vehicle::motorOutput(vehicle_.radio, 1.0), 0.95}}) {
+    const Mode target = vehicle::otherMode(c.start);
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      time_ = 0;
+      const vehicle::VehicleParameters drawn = standin::drawParameters(vehicle_, table_, seed);
+      standin::Plant driven(vehicle_, table_, drawn), dead(vehicle_, table_, drawn);
+      driven.reset(c.start);
+      driven.setMotorOutputs({c.output, c.output, c.output, c.output});
+      driven.advanceTo(c.length);
+      driven.setMotorOutputs({idle_, idle_, idle_, idle_});
+      driven.advanceTo(c.length + 1.5);
+      ASSERT_EQ(driven.mode(), target) << "the pulse is one: with motors it switches";
+      dead.reset(c.start);
+      ModeEstimator estimator(vehicle_, table_);
+      estimator.reset(0.0, c.start);
+      run(dead, estimator, idle_, 0.5);
+      std::normal_distribution<double> noise(0.1, 0.3);
+      for (const auto& [output, length] : {std::pair{c.output, c.length}, std::pair{idle_, 1.0}}) {
+        estimator.motorOutput(time_, output);
+        for (const double end = time_ + length; time_ < end;) {
+          dead.advanceTo(time_ += 0.005);  // idle all the while
+          estimator.accelerometer(time_, dead.centreSpecificForce() + noise(random_));
+          EXPECT_NE(estimator.estimate().mode, target) << seed << " at " << time_;
+        }
+      }
+      EXPECT_EQ(dead.mode(), c.start);
     }
-    run(plant, estimator, idle_, 1.0);
-    EXPECT_EQ(plant.mode(), Mode::QUADROTOR);
-    EXPECT_NE(estimator.estimate().mode, Mode::FIXED_WING) << seed;
   }
 }
 
