@@ -157,7 +157,7 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throt
   }
   const EnsembleScene scene = d.sceneOf(start, durations, trial);
   std::vector<EnsembleOutcome> outcomes(count);
-  static const RunBlock run = widestRunBlock();
+  const RunBlock run = d.settings.vectors == Vectors::PLAIN ? runBlockPlain : widestRunBlock();
   for (int begin = 0; begin < count; begin += LANES) {
     EnsembleBlock block;
     for (int l = 0; l < LANES; ++l) {

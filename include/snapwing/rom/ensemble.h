@@ -14,10 +14,14 @@
 
 namespace snapwing::rom {
 
+/// Width of the processor's vectors that is used; the answers have the same bits.
+enum class Vectors { WIDEST, PLAIN };
+
 struct EnsembleSettings {
   double step = 4e-3;            ///< [s] largest step, (0, 0.01]
   double friction_speed = 0.02;  ///< [m/s] as in LumpedSettings
   double settled_share = 0.02;   ///< as in LumpedSettings
+  Vectors vectors = Vectors::WIDEST;
   /// @throws common::Error naming the member
   void validate() const;
 };
