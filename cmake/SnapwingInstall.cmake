@@ -12,12 +12,14 @@ else()
   set(snapwing_share ${CMAKE_INSTALL_DATADIR}/snapwing)
 endif()
 
-install(TARGETS ${snapwing_libraries} ${snapwing_programs}
-        LIBRARY DESTINATION ${snapwing_lib}
-        RUNTIME DESTINATION ${snapwing_bin})
+install(TARGETS ${snapwing_libraries} snapwing_lcm EXPORT snapwingTargets LIBRARY DESTINATION ${snapwing_lib})
+install(TARGETS ${snapwing_programs} RUNTIME DESTINATION ${snapwing_bin})
+install(DIRECTORY ${PROJECT_BINARY_DIR}/lcm_types/snapwing_lcm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY include/snapwing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY config data launch rviz lcm DESTINATION ${snapwing_share})
 if(SNAPWING_WITH_ROS)
   catkin_install_python(PROGRAMS scripts/make_report scripts/plot_curve scripts/record_run scripts/run_scenario
                         DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endif()
+
+include(SnapwingExport)

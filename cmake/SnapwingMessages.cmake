@@ -11,4 +11,4 @@ add_action_files(FILES ${snapwing_actions})
 catkin_python_setup()
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs std_msgs)
 catkin_package(INCLUDE_DIRS include LIBRARIES snapwing_common snapwing_vehicle snapwing_rom snapwing_planning
-               CATKIN_DEPENDS message_runtime ${SNAPWING_CATKIN})
+               CATKIN_DEPENDS message_runtime ${SNAPWING_CATKIN} CFG_EXTRAS snapwing-extras.cmake)

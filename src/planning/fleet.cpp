@@ -9,7 +9,12 @@ namespace snapwing::planning {
 
 Fleet::Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
              const PlannerSettings& settings, double step)
-    : vehicle_(vehicle), table_(table), curves_(curves), settings_(settings), model_settings_(settings.model) {
+    : vehicle_(vehicle),
+      table_(table),
+      curves_(curves),
+      settings_(settings),
+      model_settings_(settings.model),
+      ensemble_(curves, vehicle.radio, {step, settings.model.friction_speed, settings.model.settled_share}) {
   model_settings_.step = step;
 }
 
@@ -17,6 +22,7 @@ void Fleet::add(const BoxPoint& point) {
   const BoxPoint parameters(point.begin(), point.end() - 1);
   const vehicle::VehicleParameters p = vehicle::realise(vehicle_, table_, parameters);
   models_.push_back(curves_.model(vehicle_.radio, p, model_settings_));
+  ensemble_.add(p);
   points_.push_back(point);
 }
 
@@ -34,12 +40,12 @@ rom::SnapPrediction Fleet::predict(int index, vehicle::Mode start, const vehicle
   return models_[index].predict(start, received(index, pulse), vehicle_.radio, trial);
 }
 
-double Fleet::margin(const rom::SnapPrediction& prediction) const {
-  if (settings_.allow_out_of_table) return prediction.energy_margin;
+double Fleet::margin(double energy_margin, double peak_travel) const {
+  if (settings_.allow_out_of_table) return energy_margin;
   // Stretched beyond the table or the stop by 10 mm costs as much as missing the whole barrier: the energy stored there
   // is a guess. The other end does not count: what the model does not know there, a stop, only takes energy away.
-  const double beyond = prediction.peak_travel - std::min(vehicle_.limits.travel_max, curves_.spline().highest());
-  return beyond > 0 ? std::min(prediction.energy_margin, -beyond / 0.010) : prediction.energy_margin;
+  const double beyond = peak_travel - std::min(vehicle_.limits.travel_max, curves_.spline().highest());
+  return beyond > 0 ? std::min(energy_margin, -beyond / 0.010) : energy_margin;
 }
 
 double FleetOutcome::reached(double share) const {
@@ -52,24 +58,27 @@ double FleetOutcome::reached(double share) const {
 
 FleetOutcome Fleet::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
                              double give_up, int threads) const {
-  constexpr int BLOCK = 16;
+  constexpr int BLOCK = 16, LANES = 8;
   FleetOutcome outcome;
   outcome.worst = INFINITY;
-  std::vector<double> margins(BLOCK);
-  std::vector<char> switched(BLOCK);
+  std::vector<double> durations(size());
+  for (int i = 0; i < size(); ++i) durations[i] = received(i, pulse).duration;
+  std::vector<rom::EnsembleOutcome> found(BLOCK);
   for (int first = 0; first < size(); first += BLOCK) {
     const int count = std::min(BLOCK, size() - first);
-    common::parallelFor(count, threads, [&](int i) {
-      const rom::SnapPrediction prediction = predict(first + i, start, pulse, trial);
-      margins[i] = margin(prediction);
-      switched[i] = prediction.snapped;
+    common::parallelFor((count + LANES - 1) / LANES, threads, [&](int block) {
+      const int begin = block * LANES;
+      const auto some =
+          ensemble_.predict(start, pulse.throttle, durations, trial, first + begin, std::min(LANES, count - begin));
+      std::copy(some.begin(), some.end(), found.begin() + begin);
     });
     for (int i = 0; i < count; ++i) {
-      outcome.switched += switched[i];
+      outcome.switched += found[i].snapped;
       ++outcome.tried;
-      outcome.margins.push_back(margins[i]);
-      if (margins[i] < outcome.worst) {
-        outcome.worst = margins[i];
+      const double here = margin(found[i].energy_margin, found[i].peak_travel);
+      outcome.margins.push_back(here);
+      if (here < outcome.worst) {
+        outcome.worst = here;
         outcome.worst_index = first + i;
       }
     }

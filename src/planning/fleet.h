@@ -5,6 +5,7 @@
 
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/planning/uncertainty_points.h"
+#include "snapwing/rom/ensemble.h"
 #include "snapwing/rom/vehicle_curves.h"
 #include "snapwing/vehicle/pulse.h"
 
@@ -43,10 +44,10 @@ class Fleet {
   vehicle::Pulse received(int index, const vehicle::Pulse& pulse) const;
   rom::SnapPrediction predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,
                               const vehicle::Trial& trial) const;
-  /// Margin that counts: the model's, or less if the travel leaves what is known.
-  double margin(const rom::SnapPrediction& prediction) const;
+  /// Margin that counts: the model's, or less if the travel leaves what is known. [1], [m]
+  double margin(double energy_margin, double peak_travel) const;
 
-  /// Tries a pulse on all vehicles, in order; if all must switch, gives up after a block whose
+  /// Tries a pulse on all vehicles, in order, eight side by side; if all must switch, gives up after a block whose
   /// worst is below `give_up`.
   FleetOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial, double give_up,
                         int threads) const;
@@ -57,6 +58,7 @@ class Fleet {
   const rom::VehicleCurves& curves_;
   const PlannerSettings& settings_;
   rom::LumpedSettings model_settings_;
+  rom::Ensemble ensemble_;
   std::vector<BoxPoint> points_;
   std::vector<rom::LumpedModel> models_;
 };

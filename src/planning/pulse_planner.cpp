@@ -75,6 +75,8 @@ void describe(PulseSearch& search, const BestPulse& best, const vehicle::Trial& 
   plan->share_switched = static_cast<double>(outcome.switched) / outcome.tried;
   plan->nominal = fleet.predict(0, plan->start_mode, best.pulse, trial);
   plan->worst = fleet.predict(outcome.worst_index, plan->start_mode, best.pulse, trial);
+  // The worst vehicle is asked again, by the integrator that conserves energy: the smaller margin counts.
+  plan->worst_margin = std::min(plan->worst_margin, fleet.margin(plan->worst.energy_margin, plan->worst.peak_travel));
   plan->worst_parameters = fleet.model(outcome.worst_index).parameters();
   plan->worst_coordinates = fleet.point(outcome.worst_index);
   plan->influences = search.influences(best.pulse, &plan->vertex_margin);
@@ -138,8 +140,9 @@ TransitionPlan PulsePlanner::plan(vehicle::Mode start, vehicle::Mode target, con
   std::stable_sort(plan.influences.begin(), plan.influences.end(), [](const auto& a, const auto& b) {
     return std::abs(a.high_margin - a.low_margin) > std::abs(b.high_margin - b.low_margin);
   });
-  plan.accepted = best.outcome.reached(settings_.required_share) >= settings_.required_margin &&
-                  plan.share_switched >= settings_.required_share;
+  const bool all_must = settings_.required_share >= 1.0;
+  const double reached = all_must ? plan.worst_margin : best.outcome.reached(settings_.required_share);
+  plan.accepted = reached >= settings_.required_margin && plan.share_switched >= settings_.required_share;
   return plan.accepted ? plan : refused(plan, reason);
 }
 

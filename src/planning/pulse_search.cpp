@@ -139,9 +139,7 @@ std::vector<ParameterInfluence> PulseSearch::influences(const vehicle::Pulse& pu
   const int n = static_cast<int>(names.size());
   Fleet axes = checked_.emptyCopy();
   axes.add(axisPoints(n));
-  std::vector<double> margins(2 * n);
-  common::parallelFor(2 * n, settings_.threads,
-                      [&](int i) { margins[i] = axes.margin(axes.predict(i, start_, pulse, trial_)); });
+  const std::vector<double> margins = axes.tryPulse(start_, pulse, trial_, -INFINITY, settings_.threads).margins;
   predictions_ += 2 * n;
   std::vector<ParameterInfluence> result(n);
   BoxPoint vertex(n);
@@ -150,8 +148,9 @@ std::vector<ParameterInfluence> PulseSearch::influences(const vehicle::Pulse& pu
     vertex[i] = margins[2 * i] < margins[2 * i + 1] ? -1.0 : 1.0;
   }
   if (vertex_margin) {
-    axes.add(vertex);
-    *vertex_margin = axes.margin(axes.predict(2 * n, start_, pulse, trial_));
+    Fleet corner = checked_.emptyCopy();
+    corner.add(vertex);
+    *vertex_margin = corner.tryPulse(start_, pulse, trial_, -INFINITY, 1).worst;
     ++predictions_;
   }
   return result;

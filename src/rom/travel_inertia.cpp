@@ -157,6 +157,18 @@ TravelInertia TravelInertia::operator+(const TravelInertia& other) const {
   return sum;
 }
 
+double TravelInertia::lowest() const {
+  double low = INFINITY;
+  for (const Part& part : parts_) low = std::min(low, part.curve->travel.front());
+  return low;
+}
+
+double TravelInertia::highest() const {
+  double high = -INFINITY;
+  for (const Part& part : parts_) high = std::max(high, part.curve->travel.back());
+  return high;
+}
+
 InertiaSample TravelInertia::at(double u) const {
   InertiaSample sum;
   for (const Part& part : parts_) part.curve->add(u, part.inertia_scale, part.friction_scale, &sum);

@@ -38,7 +38,7 @@ struct PlannerSettings {
   bool allow_out_of_table = false;  ///< accept pulses that stretch u beyond the table or the upper limit of travel
   int threads = 2;                  ///< the result is the same for any number
   rom::LumpedSettings model{1e-3};  ///< of the check
-  double model_step = 2e-3;         ///< [s] step of the model in the search; the check uses `model`'s
+  double model_step = 4e-3;         ///< [s] step of the ensemble in the search; the check uses `model`'s
   void validate() const;            ///< @throws common::Error naming the member
 };
 

@@ -52,6 +52,8 @@ class TravelInertia {
 
   /// @param u  travel [m], finite
   InertiaSample at(double u) const;
+  double lowest() const;   ///< [m] of all tables
+  double highest() const;  ///< [m]
 
  private:
   struct Curve;

@@ -23,6 +23,9 @@ class VehicleCurves {
                     const LumpedSettings& settings = {}) const;
 
   const EnergySpline& spline() const { return spline_; }
+  /// Inertia of arms and wings, scales 1; nullptr: weightless arms, no wings.
+  const TravelInertia* arms() const { return arms_.get(); }
+  const TravelInertia* wing() const { return wing_ ? &*wing_ : nullptr; }
 
  private:
   EnergySpline spline_;

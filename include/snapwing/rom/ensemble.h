@@ -1,0 +1,60 @@
+#pragma once
+/// The lumped model for many vehicles side by side: what a pulse does to each vehicle of the uncertainty box, for the
+/// search of a plan and for certificates. Same equations as LumpedModel, which stays the truth: classical Runge-Kutta
+/// of fourth order in (travel, its rate, common momentum), the thrust's lag in closed form, curves on a uniform grid,
+/// margins watched in masks. Eight vehicles share a vector and the number of steps; each has its own step length.
+/// Same bits on every processor and for any number of threads.
+
+#include <memory>
+#include <vector>
+
+#include "snapwing/rom/vehicle_curves.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/trial.h"
+
+namespace snapwing::rom {
+
+/// Width of the processor's vectors that is used; the answers have the same bits.
+enum class Vectors { WIDEST, PLAIN };
+
+struct EnsembleSettings {
+  double step = 4e-3;            ///< [s] largest step, (0, 0.01]
+  double friction_speed = 0.02;  ///< [m/s] as in LumpedSettings
+  double settled_share = 0.02;   ///< as in LumpedSettings
+  Vectors vectors = Vectors::WIDEST;
+  /// @throws common::Error naming the member
+  void validate() const;
+};
+
+/// What a pulse does to one vehicle; the members mean what they mean in SnapPrediction.
+struct EnsembleOutcome {
+  double energy_margin = -1;  ///< [1]; -1: not settled within the horizon
+  double peak_travel = 0;     ///< [m]
+  bool snapped = false;
+};
+
+class Ensemble {
+ public:
+  /// Keeps a reference to the curves.
+  /// @param radio  gives the motors' idle thrust. @throws common::Error for a curve that is not bistable, or settings
+  Ensemble(const VehicleCurves& curves, const vehicle::Radio& radio, const EnsembleSettings& settings = {});
+  ~Ensemble();
+  Ensemble(Ensemble&&) noexcept;
+
+  /// @throws common::Error for bad parameters
+  void add(const vehicle::VehicleParameters& parameters);
+  int size() const;
+
+  /// Outcomes of vehicles first .. first + count - 1. May be called from several threads.
+  /// @param throttle   stick travel [0, 1]; @param durations  of the pulse for each vehicle of the ensemble [s], 0 ..
+  /// 60
+  /// @throws common::Error for an unknown start mode, a bad pulse, trial or range
+  std::vector<EnsembleOutcome> predict(vehicle::Mode start, double throttle, const std::vector<double>& durations,
+                                       const vehicle::Trial& trial, int first, int count) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace snapwing::rom

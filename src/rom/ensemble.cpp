@@ -1,0 +1,176 @@
+#include "snapwing/rom/ensemble.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <string>
+
+#include "ensemble_run.h"
+#include "snapwing/common/error.h"
+#include "snapwing/common/parallel.h"
+
+namespace snapwing::rom {
+
+namespace {
+
+void require(bool good, const std::string& name, double value, const char* allowed) {
+  if (!good) throw common::Error("ensemble: " + name + " is " + std::to_string(value) + "; allowed: " + allowed);
+}
+
+}  // namespace
+
+void EnsembleSettings::validate() const {
+  require(step > 0 && step <= 0.01, "step", step, "above 0, up to 0.01 s");
+  require(friction_speed > 0, "friction_speed", friction_speed, "above 0 m/s");
+  require(settled_share > 0 && settled_share < 1, "settled_share", settled_share, "between 0 and 1");
+}
+
+struct Ensemble::Data {
+  const VehicleCurves& curves;
+  vehicle::Radio radio;
+  EnsembleSettings settings;
+  UniformCurves grid;
+  std::vector<vehicle::VehicleParameters> vehicles;
+  /// Made when first needed, without and with wings.
+  mutable std::mutex guard;
+  mutable std::unique_ptr<const BranchTable> branches[2];
+
+  Data(const VehicleCurves& of, const vehicle::Radio& with, const EnsembleSettings& s);
+  const BranchTable& branchesOf(bool wings) const;
+  EnsembleScene sceneOf(vehicle::Mode start, const std::vector<double>& durations, const vehicle::Trial& trial) const;
+};
+
+namespace {
+
+UniformCurves gridOf(const VehicleCurves& curves) {
+  const EnergySpline& spline = curves.spline();
+  double low = spline.lowest(), high = spline.highest();
+  if (curves.wing()) {
+    low = std::min(low, curves.wing()->lowest());
+    high = std::max(high, curves.wing()->highest());
+  }
+  return UniformCurves(spline, low, high, curves.arms(), curves.wing());
+}
+
+}  // namespace
+
+Ensemble::Data::Data(const VehicleCurves& of, const vehicle::Radio& with, const EnsembleSettings& s)
+    : curves(of), radio(with), settings(s), grid(gridOf(of)) {}
+
+Ensemble::Ensemble(const VehicleCurves& curves, const vehicle::Radio& radio, const EnsembleSettings& settings) {
+  settings.validate();
+  if (!curves.spline().equilibria().bistable) {
+    throw common::Error("the force curve is not bistable: there is no second mode");
+  }
+  data_ = std::make_unique<Data>(curves, radio, settings);
+}
+
+Ensemble::~Ensemble() = default;
+Ensemble::Ensemble(Ensemble&&) noexcept = default;
+
+void Ensemble::add(const vehicle::VehicleParameters& parameters) {
+  data_->curves.model(data_->radio, parameters);  // checks them
+  data_->vehicles.push_back(parameters);
+  data_->branches[true].reset();  // its range may have become wider
+}
+
+int Ensemble::size() const { return static_cast<int>(data_->vehicles.size()); }
+
+namespace {
+
+void setLane(const vehicle::VehicleParameters& p, const vehicle::Radio& radio, const vehicle::Trial& trial,
+             double throttle, double duration, int l, EnsembleBlock* a) {
+  const bool boom = trial.mount == vehicle::Mount::BOOM, held = trial.mount == vehicle::Mount::HELD;
+  const double idle = vehicle::thrustFraction(p.quadratic_share, vehicle::motorOutput(radio, 0.0));
+  a->ring_mass.lane[l] = p.ring_mass + (boom ? p.boom_mass : 0.0);
+  a->centre_mass.lane[l] = p.centre_mass;
+  a->all.lane[l] = a->ring_mass.lane[l] + p.centre_mass;
+  a->all_inverse.lane[l] = held ? 0.0 : 1.0 / a->all.lane[l];
+  a->force_scale.lane[l] = p.force_scale;
+  a->damping.lane[l] = p.damping;
+  a->max_thrust.lane[l] = p.max_thrust;
+  a->time_up.lane[l] = p.time_constant_up;
+  a->time_down.lane[l] = p.time_constant_down;
+  a->latency.lane[l] = p.latency;
+  a->ring_drag.lane[l] = p.ring_drag + (boom ? p.boom_drag : 0.0);
+  a->centre_drag.lane[l] = p.centre_drag;
+  a->boom_friction.lane[l] = boom ? p.boom_friction : 0.0;
+  a->wing_inertia.lane[l] = p.wing_inertia;
+  a->wing_friction.lane[l] = p.wing_friction;
+  a->before.lane[l] = trial.initial_thrust_fraction.value_or(idle);
+  a->during.lane[l] = vehicle::thrustFraction(p.quadratic_share, vehicle::motorOutput(radio, throttle));
+  a->after.lane[l] = trial.final_thrust_fraction.value_or(idle);
+  a->duration.lane[l] = duration;
+}
+
+}  // namespace
+
+const BranchTable& Ensemble::Data::branchesOf(bool wings) const {
+  const std::lock_guard<std::mutex> lock(guard);
+  std::unique_ptr<const BranchTable>& table = branches[wings];
+  if (!table) {
+    double low = INFINITY, high = 0;
+    for (const vehicle::VehicleParameters& p : vehicles) {
+      low = std::min(low, p.wing_inertia);
+      high = std::max(high, p.wing_inertia);
+    }
+    table = std::make_unique<const BranchTable>(grid, curves.spline().equilibria(), wings, low, high);
+  }
+  return *table;
+}
+
+EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const std::vector<double>& durations,
+                                      const vehicle::Trial& trial) const {
+  const bool wings = curves.wing() && trial.wings.value_or(trial.mount != vehicle::Mount::BOOM);
+  EnsembleScene scene{grid.view(), branchesOf(wings).view(), curves.spline().equilibria(), start};
+  scene.held = trial.mount == vehicle::Mount::HELD;
+  scene.on_boom = trial.mount == vehicle::Mount::BOOM;
+  scene.arms = curves.arms() != nullptr;
+  scene.wings = wings;
+  scene.gravity = trial.gravity;
+  scene.push = trial.push;
+  scene.initial_speed = trial.initial_speed;
+  scene.horizon = trial.horizon;
+  scene.friction_speed = settings.friction_speed;
+  scene.settled_share = settings.settled_share;
+  double lengths[3] = {0, 0, trial.horizon};
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    lengths[0] = std::max(lengths[0], vehicles[i].latency);
+    lengths[1] = std::max(lengths[1], durations[i]);
+  }
+  for (int k = 0; k < 3; ++k) scene.steps[k] = static_cast<int>(std::ceil(lengths[k] / settings.step - 1e-9));
+  return scene;
+}
+
+std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throttle,
+                                               const std::vector<double>& durations, const vehicle::Trial& trial,
+                                               int first, int count) const {
+  const Data& d = *data_;
+  trial.validate();
+  if (start == vehicle::Mode::UNKNOWN) throw common::Error("ensemble: the start mode is unknown; allowed: F or Q");
+  require(throttle >= 0 && throttle <= 1, "throttle", throttle, "0 .. 1");
+  require(durations.size() == d.vehicles.size(), "number of durations", durations.size(), "one per vehicle");
+  require(first >= 0 && count >= 0 && first + count <= size(), "end of the range", first + count, "up to the size");
+  for (const double duration : durations) require(duration >= 0 && duration <= 60, "duration", duration, "0 .. 60 s");
+  if (trial.wings.value_or(false) && !d.curves.wing()) {
+    throw common::Error("trial: wings are on, but the vehicle has none; allowed: a vehicle file with the key 'wing'");
+  }
+  const EnsembleScene scene = d.sceneOf(start, durations, trial);
+  std::vector<EnsembleOutcome> outcomes(count);
+  const RunBlock run = d.settings.vectors == Vectors::PLAIN ? runBlockPlain : widestRunBlock();
+  for (int begin = 0; begin < count; begin += LANES) {
+    EnsembleBlock block;
+    for (int l = 0; l < LANES; ++l) {
+      const int i = first + std::min(begin + l, count - 1);
+      setLane(d.vehicles[i], d.radio, trial, throttle, durations[i], l, &block);
+    }
+    EnsembleResult result;
+    run(scene, block, &result);
+    for (int l = 0; l < LANES && begin + l < count; ++l) {
+      outcomes[begin + l] = {result.margin.lane[l], result.peak_travel.lane[l], result.snapped.lane[l] != 0};
+    }
+  }
+  return outcomes;
+}
+
+}  // namespace snapwing::rom

@@ -1,0 +1,133 @@
+// Many vehicles side by side against the lumped model, one at a time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "snapwing/common/error.h"
+#include "snapwing/rom/ensemble.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "support/paths.h"
+
+namespace {
+
+using namespace snapwing;
+
+struct Shipped {
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::ForceTable table = vehicle::armTableOf(vehicle);
+  rom::VehicleCurves curves{table, vehicle::wingTableOf(vehicle, table)};
+  std::vector<vehicle::VehicleParameters> drawn;
+
+  explicit Shipped(int count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> within(-1, 1);
+    for (int i = 0; i < count; ++i) {
+      std::vector<double> point(vehicle::uncertainNames().size());
+      for (double& x : point) x = within(random);
+      drawn.push_back(vehicle::realise(vehicle, table, point));
+    }
+  }
+  rom::Ensemble ensemble(double step = 2e-3, rom::Vectors vectors = rom::Vectors::WIDEST) const {
+    rom::EnsembleSettings settings;
+    settings.step = step;
+    settings.vectors = vectors;
+    rom::Ensemble e(curves, vehicle.radio, settings);
+    for (const auto& p : drawn) e.add(p);
+    return e;
+  }
+};
+
+struct Case {
+  const char* name;
+  vehicle::Mode start;
+  vehicle::Mount mount;
+  bool wings;
+  double gravity, throttle, duration;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class EnsembleAgainstLumped : public testing::TestWithParam<Case> {};
+
+TEST_P(EnsembleAgainstLumped, SaysTheSame) {
+  const Case c = GetParam();
+  const Shipped s(24);
+  vehicle::Trial trial;
+  trial.mount = c.mount;
+  trial.wings = c.wings;
+  trial.gravity = c.gravity;
+  const std::vector<double> durations(s.drawn.size(), c.duration);
+  const rom::Ensemble ensemble = s.ensemble();
+  const auto told = ensemble.predict(c.start, c.throttle, durations, trial, 0, ensemble.size());
+  rom::LumpedSettings fine;
+  fine.step = 2.5e-4;
+  double squares = 0;
+  for (std::size_t i = 0; i < s.drawn.size(); ++i) {
+    const rom::LumpedModel model = s.curves.model(s.vehicle.radio, s.drawn[i], fine);
+    const rom::SnapPrediction truth = model.predict(c.start, {c.throttle, c.duration}, s.vehicle.radio, trial);
+    if (std::abs(truth.energy_margin) > 0.02) {
+      EXPECT_EQ(told[i].snapped, truth.snapped) << i;
+    }
+    EXPECT_NEAR(told[i].peak_travel, truth.peak_travel, 2e-4) << i;
+    EXPECT_NEAR(told[i].energy_margin, truth.energy_margin, 0.03) << i;
+    squares += std::pow(told[i].energy_margin - truth.energy_margin, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / s.drawn.size()), 6e-3);
+}
+
+const auto F = vehicle::Mode::FIXED_WING, Q = vehicle::Mode::QUADROTOR;
+INSTANTIATE_TEST_SUITE_P(Trials, EnsembleAgainstLumped,
+                         testing::Values(Case{"boom_F", F, vehicle::Mount::BOOM, false, 0, 0.61, 0.16},
+                                         Case{"boom_Q", Q, vehicle::Mount::BOOM, false, 0, 1.0, 0.60},
+                                         Case{"too_short", Q, vehicle::Mount::BOOM, false, 0, 1.0, 0.30},
+                                         Case{"held_upright", F, vehicle::Mount::HELD, false, 9.81, 0.61, 0.16},
+                                         Case{"free_F", F, vehicle::Mount::FREE, false, 0, 0.61, 0.16},
+                                         Case{"free_Q", Q, vehicle::Mount::FREE, false, 0, 1.0, 0.60},
+                                         Case{"climbing", F, vehicle::Mount::FREE, false, 9.81, 0.61, 0.16},
+                                         Case{"wings_Q", Q, vehicle::Mount::FREE, true, 0, 1.0, 0.75}),
+                         [](const auto& tried) { return std::string(tried.param.name); });
+
+TEST(Ensemble, IsTheSameForEveryWidthOfVectors) {
+  // The bits of one trial by the plain code and by the widest that this processor has.
+  const Shipped s(8);
+  vehicle::Trial trial;
+  trial.mount = vehicle::Mount::FREE;
+  const std::vector<double> durations(8, 0.2);
+  const auto widest = s.ensemble(4e-3).predict(F, 0.61, durations, trial, 0, 8);
+  const auto plain = s.ensemble(4e-3, rom::Vectors::PLAIN).predict(F, 0.61, durations, trial, 0, 8);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(widest[i].energy_margin, plain[i].energy_margin) << i;
+    EXPECT_EQ(widest[i].peak_travel, plain[i].peak_travel) << i;
+  }
+}
+
+TEST(Ensemble, DoesNotCareWhoIsBesideIt) {
+  const Shipped s(11);
+  vehicle::Trial trial;
+  trial.mount = vehicle::Mount::BOOM;
+  const std::vector<double> durations(11, 0.16);
+  const rom::Ensemble ensemble = s.ensemble(4e-3);
+  const auto all = ensemble.predict(F, 0.61, durations, trial, 0, 11);
+  const auto last = ensemble.predict(F, 0.61, durations, trial, 9, 2);
+  EXPECT_EQ(all[9].energy_margin, last[0].energy_margin);
+  EXPECT_EQ(all[10].energy_margin, last[1].energy_margin);
+}
+
+TEST(Ensemble, RefusesByName) {
+  const Shipped s(2);
+  const rom::Ensemble ensemble = s.ensemble();
+  const vehicle::Trial trial;
+  EXPECT_THROW(ensemble.predict(vehicle::Mode::UNKNOWN, 0.5, {0.1, 0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, 1.5, {0.1, 0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, NAN, {0.1, 0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, 0.5, {0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, 0.5, {0.1, -0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, 0.5, {0.1, 0.1}, trial, 1, 2), common::Error);
+  rom::EnsembleSettings settings;
+  settings.step = 0.02;
+  EXPECT_THROW(rom::Ensemble(s.curves, s.vehicle.radio, settings), common::Error);
+}
+
+}  // namespace

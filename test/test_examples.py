@@ -1,0 +1,43 @@
+"""Builds examples/cpp against what is installed, as a stranger would, and runs it: usage: test_examples.py BUILD_FOLDER."""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BUILD = sys.argv.pop() if len(sys.argv) > 1 else "build"
+EXAMPLES = pathlib.Path(__file__).resolve().parent.parent / "examples/cpp"
+# (program, arguments, those with a slash below the installed share folder, words of its output)
+RUNS = [
+    ("trace_scene", ["config/scenes/snap_beam.yaml"], "control,force_N,stable"),
+    ("predict_snap", ["config/vehicles/arris_x220.yaml", "0.7", "0.16"], "switches, snap at"),
+    ("plan_pulse", ["config/vehicles/arris_x220.yaml", "F"], "throttle"),
+]
+
+
+def run(*command, **options):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    assert done.returncode == 0, f"{command}: {done.stdout[-2000:]} {done.stderr[-2000:]}"
+    return done.stdout
+
+
+class Examples(unittest.TestCase):
+    def test_a_stranger_builds_and_runs_them(self):
+        with tempfile.TemporaryDirectory() as folder:
+            prefix, source, build = (pathlib.Path(folder) / name for name in ("prefix", "source", "build"))
+            run("cmake", "--install", BUILD, "--prefix", prefix)
+            shutil.copytree(EXAMPLES, source)
+            environment = {name: value for name, value in os.environ.items() if name != "CMAKE_PREFIX_PATH"}
+            run("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", env=environment)
+            run("cmake", "--build", build, "-j2", env=environment)
+            self.assertTrue((build / "design_mechanism").exists())
+            (share,) = prefix.glob("**/share/snapwing/config")
+            for program, arguments, words in RUNS:
+                given = [share.parent / word if "/" in word else word for word in arguments]
+                self.assertIn(words, run(build / program, *given), program)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
