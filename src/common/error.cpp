@@ -1,5 +1,7 @@
 #include "snapwing/common/error.h"
 
+#include <cstdio>
+
 namespace snapwing::common {
 
 namespace {
@@ -15,5 +17,12 @@ SettingError::SettingError(const std::string& where, const std::string& key, con
     : Error(settingMessage(where, key, value, allowed)), key_(key) {}
 
 FileError::FileError(const std::string& path, const std::string& why) : Error(path + ": " + why) {}
+
+void requireWithin(const char* who, const char* key, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%s: %s is %g; allowed: %g .. %g", who, key, value, low, high);
+  throw Error(text);
+}
 
 }  // namespace snapwing::common

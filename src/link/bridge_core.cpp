@@ -13,6 +13,7 @@ constexpr double MIN_GAP = 0.007;  ///< [s] between two frames; SBUS receivers k
 /// last frame must not wait behind another.
 constexpr double QUIET_END = 0.0115;
 constexpr double TIME_SLACK = 1e-6;   ///< [s] rounding of the timer
+constexpr double SLOW_ANSWER = 0.1;   ///< [s] of a controller that is not silent, but late
 constexpr double BLIND_ARMING = 0.2;  ///< [s] after which a controller that cannot be read counts as armed
 
 std::int64_t micros(double seconds) { return std::llround(seconds * 1e6); }
@@ -195,6 +196,7 @@ Refusal BridgeCore::checkArming(const Sender& sender, double now, std::int64_t& 
   detail = 0;
   if (!sender.switch_off_seen) return Refusal::SWITCH_NOT_CYCLED;
   if (!guarded_) return Refusal::NO_GUARDIAN;
+  if (controller.slowest_answer > SLOW_ANSWER) detail = micros(controller.slowest_answer);
   if (!controller.connected || now - last_written_ > settings_.line_timeout) return Refusal::NOT_CONNECTED;
   detail = controller.failed_check;
   if (!controller.known) return Refusal::CONTROLLER_UNKNOWN;

@@ -139,7 +139,9 @@ void BridgeLcm::publishOne(const Outbound& item) {
   snapwing_lcm::link_status_t status = toLcm(item.status, stamp, rejected_.load(std::memory_order_relaxed) + unread);
   answer(status);
   send(CHANNEL_STATUS, status);
-  if (item.status.number % TELEMETRY_EVERY != 0) return;
+  const bool measured = item.telemetry.imu.number != imu_number_;
+  imu_number_ = item.telemetry.imu.number;
+  if (!measured && item.status.number % TELEMETRY_EVERY != 0) return;
   stamp.number = ++telemetry_number_;
   send(CHANNEL_TELEMETRY, toLcm(item.telemetry, stamp, item.status.frame_time));
 }

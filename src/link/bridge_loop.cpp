@@ -61,7 +61,7 @@ BridgeLoop::BridgeLoop(const BridgeSettings& settings, Protocol protocol, bool r
       readback_(readback && speaksMsp(protocol)),
       transport_(transport),
       core_(settings, session, now),
-      watch_(mspVersion(protocol), controllerRules(settings, allowed)) {}
+      watch_(mspVersion(protocol), controllerRules(settings, allowed), settings.imu) {}
 
 WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
   if (protocol == Protocol::SBUS) return encodeSbus(channels);

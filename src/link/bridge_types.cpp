@@ -121,7 +121,8 @@ std::string describe(Refusal refusal, std::int64_t detail) {
     case Refusal::LATCHED_FAULT:
       return "fault latched: " + describe(static_cast<Fault>(detail), 0);
     case Refusal::NOT_CONNECTED:
-      return "no connection to the flight controller";
+      return detail > 0 ? "the flight controller is slow: an answer took " + milliseconds(detail)
+                        : "no connection to the flight controller";
     case Refusal::CONTROLLER_UNKNOWN:
       return "flight controller not fit to be armed: " + describe(static_cast<Check>(detail));
     case Refusal::CONTROLLER_NOT_READY:
@@ -175,6 +176,7 @@ const char* describe(Disarming disarming) {
 }
 
 void BridgeSettings::validate() const {
+  imu.validate();
   check("frame_period", frame_period, 0.007, 0.05, "s");
   check("max_age", max_age, frame_period, 0.1, "s");
   check("future_tolerance", future_tolerance, 0.0, 0.02, "s");

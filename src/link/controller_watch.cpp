@@ -10,7 +10,8 @@ constexpr double ANSWER_TIMEOUT = 0.2;  ///< [s] then the question counts as los
 
 }  // namespace
 
-ControllerWatch::ControllerWatch(MspVersion version, const ControllerRules& rules) : version_(version), rules_(rules) {}
+ControllerWatch::ControllerWatch(MspVersion version, const ControllerRules& rules, const ImuSettings& imu)
+    : version_(version), rules_(rules), imu_(imu) {}
 
 void ControllerWatch::connected(double now) {
   const ControllerTelemetry before = telemetry_;
@@ -18,12 +19,14 @@ void ControllerWatch::connected(double now) {
   telemetry_.requests = before.requests;
   telemetry_.replies = before.replies;
   telemetry_.reply_errors = before.reply_errors;
+  telemetry_.imu = before.imu;
+  imu_.connected();
   state_ = ControllerState{};
   state_.connected = true;
   state_.failed_check = static_cast<int>(Check::NOT_READ);
   answers_ = ControllerAnswers{};
   slowest_answer_ = 0;
-  asked_ = 0;
+  asked_ = late_ = 0;
   asked_time_ = now;
   last_answer_ = now;
   unanswered_frames_ = 0;
@@ -37,14 +40,19 @@ void ControllerWatch::disconnected() {
 bool ControllerWatch::asking(double now) const { return asked_ != 0 && now - asked_time_ < ANSWER_TIMEOUT; }
 
 bool ControllerWatch::nextRequest(double now, MspPacket& out, bool always) {
-  if (!state_.connected || (frame_++ % 2 != 0 && !always)) return false;
+  if (!state_.connected || (!imu_.mayAsk(frame_++) && !always)) return false;
   if (asking(now)) return false;
   std::uint16_t id = 0;
   for (std::size_t i = 0; i < QUESTIONS.size() && id == 0; ++i) {
     if (answers_.answers[i] == Answer::MISSING) id = QUESTIONS[i];
   }
+  if (id == 0 && imu_.next()) id = MSP_RAW_IMU;
   if (id == 0) id = ROTATION[turn_++ % ROTATION.size()];
   out = request(version_, id);
+  if (asked_ != 0) {
+    late_ = asked_;
+    late_time_ = asked_time_;
+  }
   asked_ = id;
   asked_time_ = now;
   ++telemetry_.requests;
@@ -58,16 +66,19 @@ void ControllerWatch::onPacket(const MspPacket& packet, double now) {
     unanswered_frames_ = 0;
     return;
   }
-  if (packet.id == asked_) {
-    asked_ = 0;
-    slowest_answer_ = std::max(slowest_answer_, now - asked_time_);
+  if (packet.id == asked_ || packet.id == late_) {
+    const bool late = packet.id == late_;  // answers come in order
+    const double since = late ? late_time_ : asked_time_;
+    slowest_answer_ = state_.slowest_answer = std::max(slowest_answer_, now - since);
+    (late ? late_ : asked_) = 0;
   }
   bool good = packet.direction == '>';
   if (answers_.take(packet)) {
     good = answers_.answer(packet.id) == Answer::GOOD;
     judge();
   } else {
-    good = good && takeState(packet, now);
+    good = packet.id == MSP_RAW_IMU ? imu_.take(packet, now) : good && takeState(packet, now);
+    telemetry_.imu = imu_.reading();
   }
   ++(good ? telemetry_.replies : telemetry_.reply_errors);
 }

@@ -189,6 +189,9 @@ snapwing_lcm::telemetry_t toLcm(const ControllerTelemetry& in, const Stamp& stam
   out.requests = in.requests;
   out.replies = in.replies;
   out.reply_errors = in.reply_errors;
+  out.imu_number = in.imu.number;
+  std::copy(in.imu.acceleration.begin(), in.imu.acceleration.end(), std::begin(out.imu_acceleration));
+  out.imu_age = now - in.imu.time;
   return out;
 }
 

@@ -31,7 +31,8 @@ constexpr double MOST_RESTITUTION = 0.6;    // [1] of the mechanical stops
 constexpr double SAMPLING_MARGIN = 3.0;     // [1] standard deviations of the particles' own error
 constexpr double DECIDED = 7.0;             // [1] log odds beyond which their error so far is forgotten
 constexpr double LASTING = 4.0;             // [outside_time] no touch lasts this long: something else is wrong
-constexpr double LASTING_FORCE = 1.0;       // [m/s2] specific force from which this is so
+constexpr double LASTING_FORCE = 1.0;       // [m/s2] specific force from which this is so, if
+constexpr double LASTING_SHARE = 0.5;       // [1] the force from outside makes up more than this of it
 constexpr double CLEAR_DOUBT = 0.1;         // [1] probability of being lost below which it counts as found again
 constexpr double LOST_SHARE = 0.01;         // [1] probability of getting lost, in each correlation time
 constexpr double LEAST_DOUBT = 0.1;         // [1] probability of being lost from which particles search
@@ -100,6 +101,8 @@ struct ModeEstimator::Impl {
   double probability(double quadrotor) const { return (1.0 - lost) * quadrotor + 0.5 * lost; }
   /// Log odds of the likelier mode that hold whatever the error of the particles. @param quadrotor  share of Q
   double surelyAtLeast(double quadrotor) const;
+  /// Mean acceleration that those who believe in a force from outside ascribe to it [m/s2].
+  double pushOfTouched() const;
   /// Notes for how long a force from outside has been believed to accelerate the vehicle, and whether the mode is
   /// known. @param span  [s]
   void follow(double span, double specific_force);
@@ -239,10 +242,23 @@ void ModeEstimator::Impl::weigh(double specific_force) {
   follow(span, specific_force);
 }
 
+double ModeEstimator::Impl::pushOfTouched() const {
+  double push = 0, weight = 0;
+  for (const Particle& particle : particles) {
+    if (!particle.outside.touched()) continue;
+    const double mass = particle.model->ringMass(trial) + particle.model->parameters().centre_mass;
+    push += particle.weight * particle.outside.force / mass;
+    weight += particle.weight;
+  }
+  return weight > 0 ? std::abs(push) / weight : 0.0;
+}
+
 void ModeEstimator::Impl::follow(double span, double specific_force) {
   touched = shareTouched(particles);
-  // A hand may hold the ring for ever, but nobody accelerates it for long.
-  const bool pushed = touched > 0.5 && std::abs(specific_force - settings.gravity) > LASTING_FORCE;
+  // A hand may hold the ring for ever, but nobody accelerates it for long. A light touch that only corrects what the
+  // particles get wrong, as the drag of a long flight, says nothing against them.
+  const double felt = std::abs(specific_force - settings.gravity);
+  const bool pushed = touched > 0.5 && felt > LASTING_FORCE && pushOfTouched() > LASTING_SHARE * felt;
   touched_time = pushed ? touched_time + span : 0.0;
   const double odds = surelyAtLeast(shareInQuadrotor(particles, barrier));
   if (odds > DECIDED) sampling_variance = 0;

@@ -15,14 +15,12 @@ using common::ClockEvent;
 using common::StampVerdict;
 using vehicle::Mode;
 
+constexpr double RATE_TIME = 0.5;  // [s] over which the rate of the readings is taken
 constexpr std::size_t BURST = 16;  // readings at once from which they are thinned
 constexpr const char* FELL_BEHIND = "this computer fell behind the IMU readings, and nothing has shown the mode since";
 
 void require(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  char text[128];
-  std::snprintf(text, sizeof text, "mode observer: %s is %g; allowed: %g .. %g", name, value, low, high);
-  throw common::Error(text);
+  common::requireWithin("mode observer", name, value, low, high);
 }
 
 }  // namespace
@@ -33,6 +31,7 @@ void ObserverSettings::validate() const {
   require("silence", silence, 0.05, 1.0);
   require("stale", stale, 0.5, 10.0);
   require("burst_spacing", burst_spacing, 1e-3, 0.1);
+  require("least_rate", least_rate, 0.0, 200.0);
   require("hurry", hurry, 0.05, 2.0);
   require("most_behind", most_behind, hurry, 5.0);
   require("idle_output", idle_output, 0.0, 1.0);
@@ -75,7 +74,7 @@ void ModeObserver::forget(const std::string& reason, Mode stated) {
   link_watch_.restart();
   estimator_.reset(0.0, Mode::UNKNOWN);
   begun_ = false;
-  told_ = 0;
+  told_ = rate_ = 0;
   why_ = reason;
   stated_ = stated;
 }
@@ -88,7 +87,11 @@ void ModeObserver::reading(double stamp, double specific_force, double now, doub
     return;
   }
   if (!lookAtClock(now, steady)) return;
+  const double before = reading_watch_.last();
   if (reading_watch_.take(stamp, now, steady) != StampVerdict::GOOD) return;
+  // Weighed by the time that it stands for, 1 / interval has the mean readings / time.
+  const double interval = stamp - before;
+  if (before > 0) rate_ += (1.0 / interval - rate_) * (rate_ > 0 ? -std::expm1(-interval / RATE_TIME) : 1.0);
   inputs_.emplace(stamp, Input{false, specific_force});
 }
 
@@ -150,6 +153,12 @@ void ModeObserver::feed(double until) {
   inputs_.erase(inputs_.begin(), end);
 }
 
+std::string ModeObserver::tooSlow() const {
+  char text[96];
+  std::snprintf(text, sizeof text, "the IMU is read %.0f times a second, %.0f are needed", rate_, settings_.least_rate);
+  return text;
+}
+
 ModeReport ModeObserver::update(double now, double steady) {
   ModeReport report;
   if (!lookAtClock(now, steady)) {
@@ -175,6 +184,9 @@ ModeReport ModeObserver::update(double now, double steady) {
     if (!silent) report.estimate.reason = "no IMU reading was in time so far";
     if (reading_age > estimator_.settings().longest_gap)
       report.estimate.probability_fixed_wing = report.estimate.probability_quadrotor = 0.5;
+  } else if (rate_ < settings_.least_rate) {
+    report.estimate.mode = Mode::UNKNOWN;
+    report.estimate.reason = tooSlow();
   } else if (report.estimate.mode != Mode::UNKNOWN) {
     why_.clear();
   } else if (!why_.empty()) {

@@ -15,10 +15,7 @@ using Outcome = SwitchOutcome;
 using State = SwitchState;
 
 void require(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  char text[128];
-  std::snprintf(text, sizeof text, "switch protocol: %s is %g; allowed: %g .. %g", name, value, low, high);
-  throw common::Error(text);
+  common::requireWithin("switch protocol", name, value, low, high);
 }
 
 /// Why the link cannot carry a pulse now, one entry for each reason.

@@ -20,9 +20,10 @@ std::string milliseconds(double seconds) { return std::to_string(std::lround(1e3
 
 }  // namespace
 
-LinkWorker::LinkWorker(const LinkWorkerSettings& settings, StatusCallback on_status, Log log)
+LinkWorker::LinkWorker(const LinkWorkerSettings& settings, StatusCallback on_status, ImuCallback on_imu, Log log)
     : settings_(settings),
       on_status_(std::move(on_status)),
+      on_imu_(std::move(on_imu)),
       log_(std::move(log)),
       link_(settings.lcm_url, link::Sealer(settings.key, settings.vehicle_id),
             [this](const link::BridgeStatus& status) {
@@ -56,12 +57,22 @@ void LinkWorker::run() {
 
 void LinkWorker::turn() {
   link_.handle(TURN);
+  passImuOn();
   runTasks();
   const double now = link::monotonicSeconds();
   watchCallbacks(now);
   protocol_.step(view(), now);
   beat(now);
   keepCopies();
+}
+
+void LinkWorker::passImuOn() {
+  if (!link_.telemetryKnown()) return;
+  const snapwing_lcm::telemetry_t& telemetry = link_.telemetry();
+  const bool news = telemetry.stamp.session != imu_session_ || telemetry.imu_number != imu_number_;
+  imu_session_ = telemetry.stamp.session;
+  imu_number_ = telemetry.imu_number;
+  if (news && telemetry.imu_number > 0) on_imu_(telemetry);
 }
 
 /// A change of the wish is told at once.

@@ -10,6 +10,7 @@ namespace {
 /// must look the bit up.
 constexpr std::array<std::uint8_t, 7> BOXES = {link::BOX_ARM, 1, 2, link::BOX_FAILSAFE, 13, 36, link::BOX_MSP_OVERRIDE};
 
+constexpr double COUNTS_PER_G = 512.0;
 constexpr std::size_t MOST_CHANNELS = 18;     ///< of one MSP_SET_RAW_RC
 constexpr std::size_t INAV_STATUS_SIZE = 11;  ///< [bytes]
 
@@ -101,6 +102,19 @@ bool StandinMsp::serveSetting(link::MspPacket& reply) const {
   }
 }
 
+void StandinMsp::serveImu(link::MspPacket& reply) const {
+  if (!controller_.settings().accelerometer) {
+    reply.direction = '!';
+    return;
+  }
+  link::RawImu raw;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double counts = controller_.specificForce()[i] / link::STANDARD_GRAVITY * COUNTS_PER_G;
+    raw.acceleration[i] = static_cast<int>(std::lround(std::clamp(counts, -32768.0, 32767.0)));
+  }
+  link::encode(raw, reply);
+}
+
 void StandinMsp::serve(const link::MspPacket& packet, double now, link::MspPacket& reply) {
   reply = link::request(packet.version, packet.id);
   reply.direction = '>';
@@ -123,6 +137,9 @@ void StandinMsp::serve(const link::MspPacket& packet, double now, link::MspPacke
       if (settings.variant[0] == 'I') reply.size = INAV_STATUS_SIZE;
       break;
     }
+    case link::MSP_RAW_IMU:
+      serveImu(reply);
+      break;
     case link::MSP_MOTOR: {
       link::Channels motors;
       motors.count = 8;

@@ -37,6 +37,78 @@ TEST(BridgeLoop, StaysWithinTheControllersRate) {
   EXPECT_LT(s.now - s.bridge->watch().telemetry().rc_time, 0.5);
 }
 
+BridgeSettings askingTheImu() {
+  BridgeSettings settings;
+  settings.imu.ask = true;
+  return settings;
+}
+
+TEST(BridgeLoop, AsksTheAccelerometerBesideTheFrames) {
+  Simulation s(Simulation::quickStandin(), askingTheImu());
+  s.arm();
+  const auto reading = [&] { return s.bridge->watch().telemetry().imu; };
+  const std::int64_t served = s.port.served(), frames = s.fc.frames(), readings = reading().number;
+  double oldest = 0, oldest_status = 0;
+  s.run(10.0, [&] {
+    oldest = std::max(oldest, s.now - reading().time);
+    oldest_status = std::max(oldest_status, s.now - s.bridge->watch().telemetry().status_time);
+  });
+  EXPECT_LE(static_cast<double>(s.port.served() - served) / 10.0, 92.0);  // of 96
+  EXPECT_GE(static_cast<double>(s.fc.frames() - frames) / 10.0, 49.5);
+  EXPECT_NEAR(static_cast<double>(reading().number - readings) / 10.0, 20.0, 1.0);
+  EXPECT_LT(oldest, 0.1);
+  EXPECT_LT(oldest_status, 0.25);
+  EXPECT_EQ(s.port.lostBytes(), 0);
+  EXPECT_EQ(s.bridge->watch().telemetry().reply_errors, 0);
+  EXPECT_NEAR(reading().acceleration[2], 9.81, 0.02);
+  s.fc.feel({-9.80665, 4.903325, -19.6133});
+  s.run(0.2);
+  EXPECT_NEAR(reading().acceleration[0], -9.81, 0.02);
+  EXPECT_NEAR(reading().acceleration[1], 4.90, 0.02);
+  EXPECT_NEAR(reading().acceleration[2], -19.61, 0.02);
+}
+
+TEST(BridgeLoop, ReadingsGoOnInAPulseAndItsLengthStays) {
+  Simulation s(Simulation::quickStandin(), askingTheImu());
+  s.arm();
+  for (const double duration : {0.16, 0.6, 0.95}) {
+    s.run(0.3);
+    s.command(1.0, duration);
+    double high = 0;
+    const std::int64_t before = s.bridge->watch().telemetry().imu.number;
+    s.run(duration + 0.2, [&] { high += s.fc.motorMicroseconds() > 1535 ? 1e-3 : 0; });  // half of full
+    EXPECT_NEAR(high, duration, 0.015);
+    EXPECT_GE(static_cast<double>(s.bridge->watch().telemetry().imu.number - before), 15.0 * (duration + 0.2));
+    EXPECT_EQ(s.bridge->core().status().fault, Fault::NONE);
+  }
+  EXPECT_EQ(s.port.lostBytes(), 0);
+}
+
+TEST(BridgeLoop, LateAnswersAreNoMissingConnection) {
+  ControllerWatch watch(MspVersion::V2, {});
+  watch.connected(10.0);
+  MspPacket question;
+  for (double now = 10.0; now < 13.0; now += 0.25) {  // each is answered when the next was asked already
+    MspPacket late = question;
+    ASSERT_TRUE(watch.nextRequest(now, question, true));
+    late.direction = '!';
+    if (now > 10.1) watch.onPacket(late, now + 0.001);
+  }
+  EXPECT_NEAR(watch.state().slowest_answer, 0.251, 1e-6);
+  EXPECT_EQ(describe(Refusal::NOT_CONNECTED, 251000), "the flight controller is slow: an answer took 251 ms");
+  EXPECT_EQ(describe(Refusal::NOT_CONNECTED, 0), "no connection to the flight controller");
+}
+
+TEST(BridgeLoop, AControllerWithoutAccelerometerIsAskedOnce) {
+  auto settings = Simulation::quickStandin();
+  settings.accelerometer = false;
+  Simulation s(settings, askingTheImu());
+  s.arm();
+  s.run(5.0);
+  EXPECT_EQ(s.bridge->watch().telemetry().imu.number, 0);
+  EXPECT_EQ(s.bridge->watch().telemetry().reply_errors, 1);
+}
+
 TEST(BridgeLoop, UnsafeControllersAreRefusedUnlessAllowedByName) {
   struct Case {
     const char* name;

@@ -148,5 +148,21 @@ TEST(MotorStream, LayoutAndRefusals) {
   EXPECT_EQ(read, before);
 }
 
+TEST(MotorStream, TheAccelerometersWayBack) {
+  const ImuPacket packet = encodeImu({0.0, -0.5, 9.80665});
+  EXPECT_EQ(toHex(packet.data(), packet.size()),
+            "00000000"
+            "000000bf"
+            "0ae81c41");
+  std::array<double, 3> read{};
+  ASSERT_TRUE(decodeImu(packet.data(), packet.size(), read));
+  EXPECT_EQ(read[1], -0.5);
+  EXPECT_NEAR(read[2], 9.80665, 1e-6);
+  EXPECT_FALSE(decodeImu(packet.data(), 11, read));
+  const std::vector<std::uint8_t> bad = fromHex("0000c07f0000000000000000");  // NaN
+  EXPECT_FALSE(decodeImu(bad.data(), bad.size(), read));
+  EXPECT_EQ(read[1], -0.5);
+}
+
 }  // namespace
 }  // namespace snapwing::link

@@ -6,6 +6,7 @@
 
 #include "link/hex.h"
 #include "snapwing/link/crc.h"
+#include "snapwing/link/imu_question.h"
 #include "snapwing/link/msp_messages.h"
 
 namespace snapwing::link {
@@ -168,6 +169,31 @@ TEST(MspMessages, TruncatedPayloadsAreRefusedAndLeaveTheResultAlone) {
     FailsafeConfig read;
     EXPECT_FALSE(decode(cut, read)) << size;
   }
+}
+
+TEST(MspMessages, RawImuByHand) {
+  // 1/2 g back, 0, 1 g up; 10 deg/s about x, -1 about z; without and with a magnetometer
+  const std::vector<std::uint8_t> bytes = fromHex("00ff000000020a000000ffff");
+  MspPacket packet = request(MspVersion::V2, MSP_RAW_IMU);
+  packet.size = bytes.size();
+  std::copy(bytes.begin(), bytes.end(), packet.payload.begin());
+  RawImu read;
+  ASSERT_TRUE(decode(packet, read));
+  EXPECT_EQ(read.acceleration, (std::array<int, 3>{-256, 0, 512}));
+  EXPECT_EQ(read.rotation, (std::array<int, 3>{10, 0, -1}));
+  MspPacket again = request(MspVersion::V2, MSP_RAW_IMU);
+  encode(read, again);
+  EXPECT_EQ(again.size, 18u);
+  EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), again.payload.begin()));
+  packet.direction = '>';
+  ImuQuestion question({true, 512.0});
+  EXPECT_TRUE(question.take(packet, 3.0));
+  EXPECT_NEAR(question.reading().acceleration[0], -4.903325, 1e-9);
+  EXPECT_NEAR(question.reading().acceleration[2], 9.80665, 1e-9);
+  packet.size = 11;
+  EXPECT_FALSE(question.take(packet, 3.1));
+  EXPECT_FALSE(question.next());
+  EXPECT_EQ(question.reading().number, 1);
 }
 
 TEST(MspMessages, FailsafeConfigByHand) {

@@ -168,7 +168,7 @@ TEST(Messages, AChangedMessageIsAnotherVersion) {
                            snapwing_lcm::abort_t::getHash() ^ snapwing_lcm::link_status_t::getHash() ^
                            snapwing_lcm::telemetry_t::getHash() ^ snapwing_lcm::hello_t::getHash() ^
                            snapwing_lcm::sealed_t::getHash();
-  EXPECT_EQ(snapwing_lcm::sealed_t::VERSION, 2);
+  EXPECT_EQ(snapwing_lcm::sealed_t::VERSION, 3);
   EXPECT_EQ(static_cast<std::uint64_t>(sum), KNOWN);
 }
 

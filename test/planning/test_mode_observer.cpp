@@ -198,7 +198,29 @@ TEST_F(ObserverTest, AClockOfTenHertzRepeatsNoStamp) {
   }
   EXPECT_GE(told_, 19);
   EXPECT_GE(observer_.readings().count(StampVerdict::REPEATED), 350u);
-  EXPECT_EQ(mode(), Mode::FIXED_WING);
+  expectReason("10 times a second");
+}
+
+TEST_F(ObserverTest, ReadingsThatAreTooFewSayWhy) {
+  const auto readAt = [&](double rate) {
+    sure_ = told_ = 0;
+    for (int i = 1; i <= static_cast<int>(4.0 * rate); ++i) {
+      now_ += 1.0 / rate, steady_ += 1.0 / rate;
+      observer_.reading(now_, 0.0, now_, steady_);
+      report_ = observer_.update(now_, steady_);
+      if (i < 2.0 * rate) continue;
+      ++told_;
+      sure_ += report_.estimate.mode != Mode::UNKNOWN;
+    }
+  };
+  readAt(20.0);  // as the flight controller gives them
+  EXPECT_EQ(sure_, told_) << reason();
+  EXPECT_NEAR(observer_.readingRate(), 20.0, 0.1);
+  readAt(10.0);
+  EXPECT_EQ(sure_, 0);
+  expectReason("read 10 times a second, 15 are needed");
+  readAt(20.0);
+  EXPECT_EQ(sure_, told_) << reason();
 }
 
 TEST_F(ObserverTest, AStalledProgramTakesUpItsLateReadings) {

@@ -54,6 +54,7 @@ class BridgeLcm {
   std::mutex greetings_mutex_;
   std::array<Greeting, 8> greetings_{};
   std::int64_t telemetry_number_ = 0;
+  std::int64_t imu_number_ = 0;  ///< of the last reading that was told
   int event_ = -1, arrival_ = -1;
   std::thread listener_, publisher_;
 };

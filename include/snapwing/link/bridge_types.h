@@ -8,6 +8,7 @@
 #include <string>
 
 #include "snapwing/link/channels.h"
+#include "snapwing/link/imu_question.h"
 
 namespace snapwing::link {
 
@@ -81,8 +82,8 @@ enum class Refusal : std::int32_t {
   OTHER_OPERATOR = 9,  ///< another sender holds the deadman
   TOO_MANY_SENDERS = 10,
   MIXED_NOT_ALLOWED = 11,
-  LATCHED_FAULT = 12,  ///< detail: fault
-  NOT_CONNECTED = 13,
+  LATCHED_FAULT = 12,         ///< detail: fault
+  NOT_CONNECTED = 13,         ///< detail: [us] slowest answer of a controller that answers too slowly; 0 = no answer
   CONTROLLER_UNKNOWN = 14,    ///< identity or settings not read yet, or unsafe; detail: check
   CONTROLLER_NOT_READY = 15,  ///< detail: arming-disable flags
   CONTROLLER_FAILSAFE = 16,
@@ -110,9 +111,10 @@ constexpr std::uint32_t RXLOSS_FLAG = 1U << 2;
 /// What the flight controller said, as far as the bridge's logic needs it.
 struct ControllerState {
   bool connected = false;
-  bool known = false;    ///< identity and settings read and found safe, or allowed by name
-  bool readback = true;  ///< false: no telemetry on this line; allowed by name only
-  int failed_check = 0;  ///< first check not passed
+  bool known = false;         ///< identity and settings read and found safe, or allowed by name
+  bool readback = true;       ///< false: no telemetry on this line; allowed by name only
+  int failed_check = 0;       ///< first check not passed
+  double slowest_answer = 0;  ///< [s] since the connection
   bool armed = false;
   bool failsafe = false;
   bool override_active = false;  ///< the pilot holds the override switch
@@ -142,6 +144,7 @@ struct BridgeSettings {
   /// The pilot's receiver leads; these frames count on masked channels only, while the pilot's switch allows it. The
   /// pilot arms, AUX1 is always sent low, and letting go of the switch ends everything.
   bool pilot_override = false;
+  ImuSettings imu;                 ///< the flight controller's accelerometer
   common::ThrottleScale throttle;  ///< of the vehicle file; the operator must have the same
   /// Takes the scale and the limit of idle motors from a vehicle file's `radio`.
   void useScale(const common::ThrottleScale& scale);

@@ -8,6 +8,7 @@
 
 #include "snapwing/link/bridge_types.h"
 #include "snapwing/link/controller_checks.h"
+#include "snapwing/link/imu_question.h"
 
 namespace snapwing::link {
 
@@ -20,20 +21,23 @@ struct ControllerTelemetry {
   Channels motors, rc;
   double status_time = -1e9, motor_time = -1e9, rc_time = -1e9;  ///< [s]
   std::int64_t requests = 0, replies = 0, reply_errors = 0;
+  ImuReading imu;
 };
 
 class ControllerWatch {
  public:
   /// @param rules  what the controller must answer, and which checks need not pass
-  ControllerWatch(MspVersion version, const ControllerRules& rules);
+  /// @param imu    whether its accelerometer is asked too
+  ControllerWatch(MspVersion version, const ControllerRules& rules, const ImuSettings& imu = {});
 
   /// A new connection: everything must be read again.
   void connected(double now);
   void disconnected();
 
-  /// What to ask now. Call once for each answered frame; every other time there is a question.
+  /// What to ask now. Call once for each answered frame; every other time there is a question, with the accelerometer
+  /// four times of five.
   /// @return false if nothing is to be asked now
-  /// @param always  not only every other time
+  /// @param always  each time
   bool nextRequest(double now, MspPacket& out, bool always = false);
   void onPacket(const MspPacket& packet, double now);
 
@@ -65,7 +69,10 @@ class ControllerWatch {
   ControllerAnswers answers_;
   int arm_bit_ = -1, failsafe_bit_ = -1, override_bit_ = -1;
   unsigned frame_ = 0, turn_ = 0;
+  ImuQuestion imu_;
   std::uint16_t asked_ = 0;  ///< 0 = no question open
+  std::uint16_t late_ = 0;   ///< the last one that timed out: its answer may still come
+  double late_time_ = 0;
   double asked_time_ = 0, slowest_answer_ = 0;
   int unanswered_frames_ = 0;
   double last_answer_ = -1e9;

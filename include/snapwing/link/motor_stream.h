@@ -21,4 +21,11 @@ MotorPacket encodeMotors(const MotorOutputs& outputs);
 /// @return false if the size is wrong or a value is not finite or outside [0, 1]
 bool decodeMotors(const std::uint8_t* bytes, std::size_t size, MotorOutputs& outputs);
 
+/// The other way: what the simulated vehicle's accelerometer measures, three little-endian floats [m/s2].
+constexpr std::size_t IMU_PACKET_SIZE = 12;  ///< [bytes]
+using ImuPacket = std::array<std::uint8_t, IMU_PACKET_SIZE>;
+ImuPacket encodeImu(const std::array<double, 3>& specific_force);
+/// @return false, and `specific_force` as it was, if the size is wrong or a value is not finite
+bool decodeImu(const std::uint8_t* bytes, std::size_t size, std::array<double, 3>& specific_force);
+
 }  // namespace snapwing::link

@@ -23,6 +23,7 @@ enum MspId : std::uint16_t {
   MSP_RXFAIL_CONFIG = 77,
   MSP_PID_ADVANCED = 94,
   MSP_STATUS = 101,
+  MSP_RAW_IMU = 102,
   MSP_MOTOR = 104,
   MSP_RC = 105,
   MSP_RC_TUNING = 111,

@@ -9,6 +9,7 @@
 /// | the motors turn before the first reading  | what was stated holds no more                                  |
 /// | no reading for `silence`                  | UNKNOWN until readings come back                               |
 /// | no reading for the estimator's longest_gap| begins anew at the next reading, nothing stated                |
+/// | readings at less than `least_rate`        | UNKNOWN while it is so                                         |
 /// | the clock jumps, back or ahead            | begins anew at once, nothing stated                            |
 /// | no link status for `link_timeout`         | the motors count as stopped: the flight controller's failsafe  |
 /// | a burst of late readings                  | thinned to `burst_spacing`                                     |
@@ -31,6 +32,7 @@ struct ObserverSettings {
   double silence = 0.25;        ///< [s] 0.05 .. 1
   double stale = 2.0;           ///< [s] 0.5 .. 10, readings that come later than this are not used
   double burst_spacing = 0.01;  ///< [s] of readings, where more than 16 wait
+  double least_rate = 15.0;     ///< [Hz] 0 .. 200 of readings, below which nothing is told; 0 = any
   double hurry = 0.2;        ///< [s] 0.05 .. 2, of waiting readings from which they are worked through in coarse steps
   double most_behind = 0.6;  ///< [s] hurry .. 5, of waiting readings; older ones are skipped
   double idle_output = 0.1;  ///< [1] mean motor output above which the motors may have moved the vehicle
@@ -70,6 +72,8 @@ class ModeObserver {
   const common::StampWatch& links() const { return link_watch_; }
   unsigned jumps() const { return clock_.jumps(); }
   std::size_t waiting() const { return inputs_.size(); }
+  /// [Hz] of the readings, over the last half second or so
+  double readingRate() const { return rate_; }
   /// Readings that were not used because newer ones waited behind them.
   unsigned long skipped() const { return skipped_; }
   const ModeEstimator& estimator() const { return estimator_; }
@@ -85,6 +89,7 @@ class ModeObserver {
   void forget(const std::string& reason, vehicle::Mode stated);
   void begin(double stamp);
   void feed(double until);
+  std::string tooSlow() const;
   double sinceOrigin(double stamp) const { return stamp - origin_; }
 
   ModeEstimator estimator_;
@@ -101,6 +106,7 @@ class ModeObserver {
   double told_ = 0;      ///< stamp of the last fresh report
   bool behind_ = false;  ///< at the last feed more than `most_behind` waited
   bool held_ = false;
+  double rate_ = 0;  ///< [Hz]
   unsigned long not_numbers_ = 0, skipped_ = 0;
 };
 

@@ -53,11 +53,13 @@ class LinkWorker {
  public:
   /// Called on the worker's thread with each new status, before the door may be asked about it.
   using StatusCallback = std::function<void(const link::BridgeStatus& status, const link::OperatorLink& link)>;
+  /// Called on the worker's thread with each new reading of the flight controller's accelerometer.
+  using ImuCallback = std::function<void(const snapwing_lcm::telemetry_t& telemetry)>;
   enum class Level { INFO, WARN, ERROR };
   using Log = std::function<void(Level level, const std::string& line)>;
 
   /// @throws common::Error if the network refuses
-  LinkWorker(const LinkWorkerSettings& settings, StatusCallback on_status, Log log);
+  LinkWorker(const LinkWorkerSettings& settings, StatusCallback on_status, ImuCallback on_imu, Log log);
   ~LinkWorker();
   LinkWorker(const LinkWorker&) = delete;
   LinkWorker& operator=(const LinkWorker&) = delete;
@@ -76,6 +78,7 @@ class LinkWorker {
   using Task = std::function<void()>;
   void run();
   void turn();
+  void passImuOn();
   void beat(double now);
   void watchCallbacks(double now);
   bool deadmanHeld(double now);
@@ -89,10 +92,12 @@ class LinkWorker {
 
   LinkWorkerSettings settings_;
   StatusCallback on_status_;
+  ImuCallback on_imu_;
   Log log_;
   link::OperatorLink link_;
   link::ArmingProtocol protocol_;
   link::CommandDoor door_;
+  std::int64_t imu_session_ = 0, imu_number_ = 0;  ///< of the last reading
   double next_heartbeat_ = 0;
   bool wished_ = false, deadman_was_fresh_ = true;
   std::int64_t refused_here_ = 0, last_pulse_ = -1;

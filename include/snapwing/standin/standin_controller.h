@@ -7,6 +7,7 @@
 
 #include "snapwing/link/channels.h"
 #include "snapwing/link/config_messages.h"
+#include "snapwing/link/imu_question.h"
 #include "snapwing/link/motor_stream.h"
 
 namespace snapwing::standin {
@@ -58,6 +59,7 @@ struct StandinSettings {
   link::RxConfig rx_config;
   link::ThrottleLimit throttle_limit;
   int motor_output_limit = 100;  ///< [%]
+  bool accelerometer = true;     ///< false: MSP_RAW_IMU is refused
 
   /// iNav 9.0: four bytes of RX_MAP, a STATUS of eleven, and full throttle for up to 0.92 s after the last frame.
   void becomeInav();
@@ -72,6 +74,9 @@ class StandinController {
   void onFrame(const link::Channels& channels, double now);
   /// A frame of the pilot's own receiver, with an override mask only.
   void onPilotFrame(const link::Channels& channels, double now);
+  /// What the accelerometer measures from now on. [m/s2] its own axes, z up; at first the vehicle rests upright
+  void feel(const std::array<double, 3>& specific_force) { specific_force_ = specific_force; }
+  const std::array<double, 3>& specificForce() const { return specific_force_; }
   /// Advances timers; call at least every few milliseconds.
   void step(double now);
 
@@ -124,6 +129,7 @@ class StandinController {
   link::Channels computer_;  ///< with an override mask: last values of its frames, wire order
   std::array<double, link::MAX_CHANNELS> computer_time_{};
   bool override_active_ = false;
+  std::array<double, 3> specific_force_{0, 0, link::STANDARD_GRAVITY};
 };
 
 /// The serial port of the stand-in: bytes wait in a ring, one MSP command is served per turn of a fixed-rate task.
@@ -144,6 +150,7 @@ class StandinMsp {
   bool nextCommand();
   void serve(const link::MspPacket& packet, double now, link::MspPacket& reply);
   bool serveSetting(link::MspPacket& reply) const;
+  void serveImu(link::MspPacket& reply) const;
 
   StandinController& controller_;
   link::MspParser parser_;

@@ -109,6 +109,12 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_flag("--pilot-override", o.settings.pilot_override,
                "the pilot's receiver leads and these frames count on masked channels only, while the pilot holds the "
                "MSP OVERRIDE switch; the pilot arms");
+  app.add_flag("--imu", o.settings.imu.ask,
+               "ask the flight controller's accelerometer too, 20 times a second, for a vehicle on which nothing else "
+               "measures; over MSP only");
+  app.add_option("--imu-counts-per-g", o.settings.imu.counts_per_g,
+                 "numbers per g in the answer to MSP_RAW_IMU [1/g]; upright at rest the IMU must read 9.8 m/s2")
+      ->capture_default_str();
   app.add_option("--realtime-priority", o.realtime_priority, "SCHED_FIFO priority of the loop if allowed, 0 = none")
       ->check(CLI::Range(0, 90))
       ->capture_default_str();
@@ -288,6 +294,8 @@ int start(const Options& o) {
     throw common::SettingError("radio bridge", "allow", "",
                                "no-readback must be named: " + o.protocol + " cannot be asked");
   }
+  if (o.settings.imu.ask && (blind || !can_ask))
+    throw common::SettingError("radio bridge", "imu", "on", "off where the controller is not asked (no-readback)");
   if (o.check) return check(o, protocol, allowed);
   const std::string key_file = o.key_file.empty() ? link::defaultKeyFile(o.vehicle_id) : o.key_file;
   const link::Sealer sealer(link::loadKeyFile(key_file), o.vehicle_id);

@@ -46,7 +46,7 @@ class DesignNode {
 
   DesignNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
-        frame_(params.textOr("frame", "arm")),
+        frame_(framePrefix(params, handles.relative.getNamespace()) + params.textOr("frame", "arm")),
         designs_(params.textOr("designs_folder", besideVehicle())),
         store_(params.textOr("store_folder", defaultStore())),
         arm_designer_(handles.relative, frame_),

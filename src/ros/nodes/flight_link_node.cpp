@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "snapwing/link/realtime.h"
+#include "snapwing/ros/imu_relay.h"
 #include "snapwing/ros/link_diagnostics.h"
 #include "snapwing/ros/link_worker.h"
 #include "snapwing/ros/node_main.h"
@@ -46,8 +47,10 @@ static_assert(LinkStatus::BRIDGE_FAULT == static_cast<int>(link::BridgeState::FA
 struct Settings {
   LinkWorkerSettings worker;
   double diagnostic_interval;
+  ImuRelay::Use imu;
+  std::string imu_frame;
 
-  explicit Settings(Params params) {
+  Settings(Params params, const std::string& name_space) {
     worker.lcm_url = params.text("lcm_url");
     const std::string key_file = params.text("key_file");
     worker.vehicle_id = params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID);
@@ -61,6 +64,11 @@ struct Settings {
     worker.deadman_timeout = params.number("deadman_timeout", {0.05, 0.2}, "s");
     worker.times.arm_timeout = params.number("arm_timeout", {0.2, 5.0}, "s");
     diagnostic_interval = params.number("diagnostic_interval", {0.1, 5.0}, "s");
+    const std::string use = params.textOr("imu", "auto");
+    if (use != "auto" && use != "on" && use != "off")
+      throw common::SettingError("flight_link_node", "imu", use, "auto, on or off");
+    imu = use == "on" ? ImuRelay::Use::ON : use == "off" ? ImuRelay::Use::OFF : ImuRelay::Use::AUTO;
+    imu_frame = framePrefix(params, name_space) + params.textOr("imu_frame", "housing");
     params.finish();
     worker.key = link::loadKeyFile(key_file);
   }
@@ -79,14 +87,15 @@ class FlightLinkNode {
   using Request = link::ArmingProtocol::Request;
 
   explicit FlightLinkNode(Handles& handles)
-      : settings_(Params::fromServer(handles.own)),
+      : settings_(Params::fromServer(handles.own), handles.relative.getNamespace()),
+        imu_(handles.relative, settings_.imu, settings_.imu_frame),
         publisher_(handles.relative.advertise<LinkStatus>(topics::LINK_STATUS, 10)),
         worker_(
             settings_.worker,
             [this](const link::BridgeStatus& status, const link::OperatorLink& link) {
               publisher_.publish(toMessage(status, link));
             },
-            log),
+            [this](const snapwing_lcm::telemetry_t& telemetry) { imu_.pass(telemetry); }, log),
         diagnostics_(worker_, settings_.diagnostic_interval) {
     const ros::TransportHints at_once = ros::TransportHints().tcpNoDelay();
     ros::NodeHandle& nh = handles.relative;
@@ -157,6 +166,7 @@ class FlightLinkNode {
   }
 
   Settings settings_;
+  ImuRelay imu_;
   ros::Publisher publisher_;
   LinkWorker worker_;
   LinkDiagnostics diagnostics_;

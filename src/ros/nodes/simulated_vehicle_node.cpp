@@ -14,6 +14,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -22,6 +23,7 @@
 #include "snapwing/link/realtime.h"
 #include "snapwing/ros/clocks.h"
 #include "snapwing/ros/conversions.h"
+#include "snapwing/ros/imu_sender.h"
 #include "snapwing/ros/motor_receiver.h"
 #include "snapwing/ros/node_main.h"
 #include "snapwing/ros/params.h"
@@ -49,6 +51,7 @@ struct SimulationSettings {
   double imu_noise = 0;      ///< [m/s2]
   double imu_bias = 0;       ///< [m/s2] standard deviation of the vehicle's own constant offset
   std::string imu_frame;
+  std::uint16_t imu_port = 0;  ///< of a stand-in flight controller; 0 = none
 };
 
 standin::PlantMount plantMount(vehicle::Mount mount) {
@@ -72,6 +75,7 @@ SimulationSettings readSettings(Params& params, const vehicle::Vehicle& vehicle,
   s.truth_period = 1 / params.number("truth_rate", {1.0, 1000.0}, "Hz");
   s.imu_noise = params.number("imu_noise", {0.0, 10.0}, "m/s2");
   s.imu_bias = params.number("imu_bias", {0.0, 2.0}, "m/s2");
+  s.imu_port = static_cast<std::uint16_t>(params.integer("imu_port", 0, 65535));
   s.imu_frame = framePrefix(params, name_space) + params.text("imu_frame");
   return s;
 }
@@ -97,7 +101,8 @@ class SimulatedVehicleNode {
     params.finish();
     plant_.reset(settings_.initial_mode);
     bias_ = settings_.imu_bias * normal_(random_);
-    imu_ = handles.relative.advertise<sensor_msgs::Imu>(topics::IMU, 100);
+    if (settings_.imu_port != 0) sender_ = std::make_unique<ImuSender>(settings_.imu_port);
+    if (!sender_) imu_ = handles.relative.advertise<sensor_msgs::Imu>(topics::IMU, 100);
     truth_ = handles.relative.advertise<VehicleTruth>(topics::TRUTH, 100);
     hold_ = handles.relative.advertiseService(topics::HOLD, &SimulatedVehicleNode::hold, this);
     thread_ = std::thread([this] { run(); });
@@ -155,7 +160,12 @@ class SimulatedVehicleNode {
 
   ros::Time stampAt(double time) const { return ros::Time(std::max(0.0, offset_ + time)); }
 
+  /// To the flight controller, if it is to be the one that measures, else as a message.
   void publishImu(double time) {
+    if (sender_) {
+      sender_->send(plant_.centreSpecificForce() + bias_ + settings_.imu_noise * normal_(random_));
+      return;
+    }
     if (!stamped_) return;  // no message without a stamp
     sensor_msgs::Imu message;
     message.header.stamp = stampAt(time);
@@ -196,6 +206,7 @@ class SimulatedVehicleNode {
   bool stamped_ = false;  ///< there is a clock
   double offset_ = 0;     ///< [s] ROS time - time of the simulation
   ros::Publisher imu_;
+  std::unique_ptr<ImuSender> sender_;
   ros::Publisher truth_;
   ros::ServiceServer hold_;
   std::mutex mutex_;

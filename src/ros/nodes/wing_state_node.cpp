@@ -73,6 +73,7 @@ WingStateSettings readSettings(Params& params, const vehicle::Vehicle& vehicle, 
   s.observer.input_delay = params.number("input_delay", {0.0, 0.5}, "s");
   s.observer.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
   s.observer.silence = params.number("silence", {0.05, 1.0}, "s");
+  s.observer.least_rate = params.number("least_rate", {0.0, 200.0}, "Hz");
   s.read_back = params.choice("motor_source", {"frames", "read_back"}) == "read_back";
   s.state_rate = params.number("state_rate", {1.0, 200.0}, "Hz");
   s.marker_rate = params.number("marker_rate", {1.0, 60.0}, "Hz");
@@ -280,6 +281,7 @@ class WingStateNode {
     status.add("travel [m]", estimate.travel);
     status.add("travel deviation [m]", estimate.travel_deviation);
     status.add("effective particles", estimate.effective_particles);
+    status.add("IMU rate [Hz]", observer_.readingRate());
     status.add("inputs waiting", observer_.waiting());
     status.add("readings skipped for newer ones", observer_.skipped());
     status.add("jumps of the clock", observer_.jumps());

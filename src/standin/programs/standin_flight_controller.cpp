@@ -37,6 +37,7 @@ struct Options {
   std::string protocol = "msp";
   std::string motor_host = "127.0.0.1";
   int motor_port = link::MOTOR_STREAM_PORT;
+  int imu_port = 0;
   std::string events;
   double period = 0.001;
   std::string variant;
@@ -152,6 +153,28 @@ class MotorSender {
   int socket_;
 };
 
+/// What the accelerometer measures, as datagrams; without a port it rests upright.
+class ImuReceiver {
+ public:
+  explicit ImuReceiver(int port) {
+    if (port == 0) return;
+    const sockaddr_in address = ipv4("127.0.0.1", port);
+    socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw common::Error("cannot listen for the IMU on port " + std::to_string(port) + ": " + std::strerror(errno));
+  }
+  void takeIn(standin::StandinController& fc) {
+    std::array<std::uint8_t, 2 * link::IMU_PACKET_SIZE> bytes;
+    std::array<double, 3> force;
+    for (ssize_t got = 0; socket_ >= 0 && (got = recv(socket_, bytes.data(), bytes.size(), 0)) > 0;) {
+      if (link::decodeImu(bytes.data(), static_cast<std::size_t>(got), force)) fc.feel(force);
+    }
+  }
+
+ private:
+  int socket_ = -1;
+};
+
 /// Writes a line of JSON whenever armed, failsafe, the arming flags or the motors change.
 class EventLog {
  public:
@@ -187,6 +210,7 @@ class EventLog {
 int run(const Options& o) {
   Port port(o);
   MotorSender motors(o.motor_host, o.motor_port);
+  ImuReceiver imu(o.imu_port);
   EventLog log(o.events);
   std::fflush(stdout);
   standin::StandinController fc(o.settings, link::monotonicSeconds());
@@ -199,6 +223,7 @@ int run(const Options& o) {
     port.wait(o.period);
     if (port.accept()) receiver.reset();
     const double now = link::monotonicSeconds();
+    imu.takeIn(fc);
     while (const std::size_t got = port.read(in.data(), in.size())) receiver.take(in.data(), got, now);
     const std::size_t size = receiver.step(now, out.data(), out.size());
     if (size > 0) port.write(out.data(), size, now);
@@ -218,6 +243,9 @@ void addOptions(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_option("--motor-host", o.motor_host, "where motor outputs go")->capture_default_str();
   app.add_option("--motor-port", o.motor_port, "UDP port, 0 = none")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  app.add_option("--imu-port", o.imu_port, "UDP port on the loopback for what the accelerometer measures, 0 = none")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   app.add_option("--events", o.events, "file for a line of JSON at each change");

@@ -341,6 +341,8 @@ class MspPort:
         if code == 101:
             modes = sum(1 << bit for bit, box in enumerate(BOXES) if box == 0 and fc.armed or box == 27 and fc.failsafe)
             return struct.pack("<HHHIBHHB4xBIBH", CYCLE_TIME, 0, 0, modes, 0, 0, 0, 4, 26, fc.flags(now), 0, 0)
+        if code == 102:  # accelerometer, 512 per g: rests upright
+            return struct.pack("<9h", 0, 0, 512, 0, 0, 0, 0, 0, 0)
         if code == 104:
             return struct.pack("<8H", *[int(fc.motor(now))] * 4, 0, 0, 0, 0)
         if code == 105:
