@@ -30,8 +30,8 @@ SoftArm::SoftArm(const statics::ArmProblem& arm, double mass_density, int arms,
 }
 
 void SoftArm::assembleMass(double mass_density) {
-  const mpm::Discretisation<2>& solid = problem_.solid();
-  const solver::Reduction& reduction = problem_.reduction();
+  const mpm::Discretisation<2>& solid = arm_.solid();
+  const solver::Reduction& reduction = problem_.coordinates().linear();
   const solver::SparsePattern& pattern = problem_.pattern();
   const Eigen::VectorXd b =
       reduction.expandDirection(Eigen::VectorXd::Zero(problem_.freeCount()), Eigen::VectorXd::Ones(1));

@@ -50,7 +50,7 @@ class SoftArm {
   Bordered momentum(const Eigen::VectorXd& z, double u, double r) const;
 
   const statics::ArmProblem& arm_;
-  const solver::SolidProblem<2>& problem_;
+  const solver::TermProblem& problem_;
   int arms_;
   vehicle::VehicleParameters p_;
   double ring_mass_, ring_drag_, friction_;

@@ -237,7 +237,7 @@ void Discretisation<D>::assemble(const Eigen::VectorXd& u, Order order, int thre
   out.min_det_f = std::numeric_limits<double>::infinity();
   out.min_det_f_cell = -1;
   if (order != Order::ENERGY) out.gradient.setZero(dofCount());
-  if (elasticity::withTangent(order)) {
+  if (elasticity::withTangent(order) && !out.add_blocks) {
     out.blocks.assign(static_cast<std::size_t>(pattern_.blocks()) * D * D, 0.0);
   }
   if (stencil_ == LINEAR_STENCIL<D>) {

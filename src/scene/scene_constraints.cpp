@@ -150,7 +150,7 @@ void Constraints<D>::makeCylinder(const ScenePin& pin) {
 
 template <int D>
 void Constraints<D>::moveRigidly(const RigidGroup& group, std::vector<solver::Equation>& list) const {
-  const solver::Turning& t = group.turning;
+  const solver::Rotation& t = group.turning;
   for (const int node : group.nodes) {
     const Vector<D> arm = (solid_.position(node) - group.centre.template head<D>()) / t.length;
     for (int i = 0; i < D; ++i) {
@@ -164,7 +164,7 @@ void Constraints<D>::moveRigidly(const RigidGroup& group, std::vector<solver::Eq
 }
 
 template <int D>
-std::vector<solver::Turning> Constraints<D>::turnings(const std::vector<solver::Equation>& unresolved) const {
+std::vector<solver::Rotation> Constraints<D>::turnings(const std::vector<solver::Equation>& unresolved) const {
   std::vector<std::vector<solver::Equation>> of_group(groups_.size());
   for (const solver::Equation& equation : unresolved) {
     const int group = (equation.terms.front().first - keptFrom()) / (D * D);
@@ -179,7 +179,7 @@ std::vector<solver::Turning> Constraints<D>::turnings(const std::vector<solver::
     }
     of_group[group].push_back(equation);
   }
-  std::vector<solver::Turning> result;
+  std::vector<solver::Rotation> result;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     result.push_back(groups_[g].turning);
     result.back().axes = solver::openAxes<D>(result.back(), of_group[g], result.back().axes, groups_[g].name);

@@ -8,7 +8,7 @@
 
 #include "scene_cells.h"
 #include "snapwing/solver/reduction.h"
-#include "snapwing/solver/rigid_motion.h"
+#include "snapwing/solver/rotation.h"
 
 namespace snapwing::scene {
 
@@ -19,7 +19,7 @@ struct RigidGroup {
   std::vector<int> nodes;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< X_c [m]
   int translation = 0;                               ///< dof of c_0
-  solver::Turning turning;                           ///< axes: what it may turn about if nothing else holds it
+  solver::Rotation turning;                          ///< axes: what it may turn about if nothing else holds it
 };
 
 /// The axis along which a region is flat, or -1.
@@ -49,7 +49,7 @@ class Constraints {
   int keptFrom() const { return solid_.dofCount() + D * static_cast<int>(groups_.size()); }
   /// How the rigid groups may turn, given what the reduction left open of their rotations.
   /// @throws common::Error for what cannot be told: closed chains of rigid bodies, driven rotations
-  std::vector<solver::Turning> turnings(const std::vector<solver::Equation>& unresolved) const;
+  std::vector<solver::Rotation> turnings(const std::vector<solver::Equation>& unresolved) const;
 
  private:
   void addGroup(const std::string& name, int body, std::vector<int> nodes, std::vector<Eigen::Vector3d> axes);

@@ -93,6 +93,7 @@ Eigen::MatrixXd Constraints<D>::loads() const {
 template <int D>
 Weight<D>::Weight(const Scene& scene, const SceneCells<D>& cells)
     : solid_(cells.solid()), gravity_(scene.gravity.template head<D>()) {
+  load_ = Eigen::VectorXd::Zero(solid_->dofCount());
   if (gravity_.isZero(0)) return;
   const int stencil = solid_->stencil();
   mass_.assign(static_cast<std::size_t>(solid_->cellCount()) * stencil, 0.0);
@@ -103,18 +104,34 @@ Weight<D>::Weight(const Scene& scene, const SceneCells<D>& cells)
       for (int a = 0; a < stencil; ++a) mass[a] += volume * mass_density * value[a];
     });
   }
+  update();
 }
 
 template <int D>
-void Weight<D>::addTo(Eigen::VectorXd& force) const {
+void Weight<D>::update() {
   if (mass_.empty()) return;
+  load_.setZero();
   const int stencil = solid_->stencil();
   for (int c = 0; c < solid_->cellCount(); ++c) {
     for (int a = 0; a < stencil; ++a) {
-      force.template segment<D>(D * solid_->cellNodes(c)[a]) +=
+      load_.template segment<D>(D * solid_->cellNodes(c)[a]) +=
           solid_->cell(c).density * mass_[static_cast<std::size_t>(c) * stencil + a] * gravity_;
     }
   }
+}
+
+template <int D>
+void Weight<D>::evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const {
+  if (mass_.empty()) return;
+  sum.energy -= load_.dot(at.y.head(load_.size()));
+  if (order == solver::Order::ENERGY) return;
+  sum.gradient.head(load_.size()) -= load_;
+  sum.noteForce(load_.norm());
+}
+
+template <int D>
+void Weight<D>::densityDerivative(const solver::Point& at, const Eigen::VectorXd* v, Eigen::VectorXd& by_cell) const {
+  if (!mass_.empty()) by_cell -= densitySlope(v != nullptr ? *v : at.y);
 }
 
 template <int D>

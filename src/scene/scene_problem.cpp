@@ -8,7 +8,8 @@
 #include "scene_vtu.h"
 #include "scene_weight.h"
 #include "snapwing/common/error.h"
-#include "snapwing/solver/rigid_motion.h"
+#include "snapwing/solver/inertia_term.h"
+#include "snapwing/solver/load_term.h"
 #include "snapwing/solver/tied_problem.h"
 
 namespace snapwing::scene {
@@ -38,35 +39,41 @@ class CompiledSceneOf : public CompiledScene {
       eliminated.erase(std::remove_if(eliminated.begin(), eliminated.end(), tie), eliminated.end());
     }
     solver::Reduction reduction(constraints.dofCount(), 1, eliminated, constraints.keptFrom());
-    std::vector<solver::Turning> turnings = constraints.turnings(reduction.unresolved());
-    auto solid = std::make_shared<solver::SolidProblem<D>>(cells.solid(), std::move(reduction), constraints.loads(),
-                                                           threads, forceFloor());
-    solid_ = solid;
-    constant_load_ = constraints.constantLoad();
-    weight_ = std::make_unique<Weight<D>>(scene_, cells);
-    setDeadLoad();
-    if (scene.drive != solver::Drive::ELIMINATION) {
-      tie(equations, !turnings.empty());
-    } else if (!turnings.empty()) {
-      turning_ = std::make_unique<solver::TurningProblem<D>>(solid_, std::move(turnings));
-    }
+    std::vector<solver::Rotation> turnings = constraints.turnings(reduction.unresolved());
+    rigid_ = !turnings.empty();
+    auto coordinates = std::make_shared<const solver::Coordinates>(std::move(reduction), D, std::move(turnings));
+    solver::TermProblem::Parts parts = solver::solidParts<D>(cells_, std::move(coordinates), threads, forceFloor());
+    const Eigen::VectorXd constant = constraints.constantLoad();
+    loads_ = std::make_shared<const solver::LoadTerm>(constant.isZero(0) ? Eigen::VectorXd() : constant,
+                                                      constraints.loads());
+    weight_ = std::make_shared<Weight<D>>(scene_, cells);
+    parts.terms.insert(parts.terms.end(), {loads_, weight_});
+    problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
+    if (scene.drive != solver::Drive::ELIMINATION) tie(equations);
   }
 
   const solver::Problem& problem() const override {
     if (tied_) return *tied_;
-    if (turning_) return *turning_;
-    return *solid_;
+    return *problem_;
   }
+  const solver::TermProblem& terms() const override { return *problem_; }
+  std::shared_ptr<const solver::TermProblem> sharedTerms() const override { return problem_; }
+  std::shared_ptr<const solver::Term> inertia(mpm::MassKind kind) const override {
+    return std::make_shared<const solver::InertiaTerm<D>>(
+        std::make_shared<const mpm::Mass<D>>(*cells_, massDensities(), geometry_->rules(), kind));
+  }
+  const mpm::Discretisation<2>* planar() const override { return only<2>(*cells_); }
+  const mpm::Discretisation<3>* volumetric() const override { return only<3>(*cells_); }
   double multiplicity() const override { return multiplicity_; }
   const std::string& symmetry() const override { return symmetry_; }
-  int cellCount() const override { return solid_->solid().cellCount(); }
+  int cellCount() const override { return cells_->cellCount(); }
   double droppedShare() const override { return geometry_->droppedShare(); }
   SceneVolume volume() const override {
     return {multiplicity_ * geometry_->volume(), multiplicity_ * geometry_->bodyVolume()};
   }
   void setDensities(const std::vector<double>& densities) override {
     cells_->setDensities(densities);
-    setDeadLoad();
+    weight_->update();
   }
 
   std::vector<double> monitors(const Eigen::VectorXd& z, double p) const override {
@@ -79,66 +86,66 @@ class CompiledSceneOf : public CompiledScene {
   mpm::MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const override {
     constexpr double H = 1e-6;  // [m] displacements are linear in z and p but for rigid rotations
     const Eigen::VectorXd rate = (displacements(z + H * slope, p + H) - displacements(z - H * slope, p - H)) / (2 * H);
-    std::vector<double> density;
-    for (const SceneBody& body : scene_.bodies) density.push_back(body.material.mass_density);
     Vector<D> axis = Vector<D>::Zero();
     if (!scene_.ports.empty()) axis = -scene_.ports.front().direction.template head<D>();
-    mpm::MovingMass sum = mpm::movingMass<D>(solid_->solid(), density, rate, axis, geometry_->rules());
+    mpm::MovingMass sum = mpm::movingMass<D>(*cells_, massDensities(), rate, axis, geometry_->rules());
     for (double* value : {&sum.mass, &sum.kinetic, &sum.coupled}) *value *= multiplicity_;
     return sum;
   }
 
   double monitor(int number, const Eigen::VectorXd& u, Eigen::VectorXd* gradient = nullptr) const override {
     const SceneMonitor& m = scene_.monitors[number];
-    if (gradient != nullptr) gradient->setZero(solid_->solid().dofCount());
+    if (gradient != nullptr) gradient->setZero(cells_->dofCount());
     return m.radius > 0 ? rotation(m, u, gradient) : displacement(m, u, gradient);
   }
 
-  Eigen::VectorXd weightByDensity(const Eigen::VectorXd& v) const override { return weight_->densitySlope(v); }
   std::unique_ptr<SceneSensitivity> sensitivity(const solver::Equilibrium& x) const override {
-    if (turning_) {
+    if (rigid_) {
       throw common::Error("scene '" + scene_.name +
                           "' has rigid bodies or cylinder pins; allowed for sensitivities: scenes without");
     }
-    SensitivityParts<D> parts{scene_, mirror_, *solid_, *weight_, tied_.get(), {}};
-    const int dofs = solid_->solid().dofCount();
+    SensitivityParts<D> parts{scene_, mirror_, *problem_, *cells_, *loads_, *weight_, tied_.get(), {}};
+    const int dofs = cells_->dofCount();
     parts.monitors = Eigen::MatrixXd::Zero(dofs, static_cast<int>(scene_.monitors.size()));
     for (int k = 0; k < parts.monitors.cols(); ++k) {
       Eigen::VectorXd gradient;
-      monitor(k, x.at.displacements, &gradient);
+      monitor(k, x.at.place.y, &gradient);
       parts.monitors.col(k) = gradient;
     }
     return std::make_unique<SceneSensitivityOf<D>>(std::move(parts), x);
   }
 
-  std::string vtu(const Eigen::VectorXd& z, double p) const override {
-    return vtuText(solid_->solid(), displacements(z, p));
-  }
+  std::string vtu(const Eigen::VectorXd& z, double p) const override { return vtuText(*cells_, displacements(z, p)); }
 
  private:
-  void setDeadLoad() {
-    Eigen::VectorXd load = constant_load_;
-    weight_->addTo(load);
-    solid_->setDeadLoad(load.isZero(0) ? Eigen::VectorXd() : load);
+  template <int Wanted, int Given>
+  static const mpm::Discretisation<Wanted>* only(const mpm::Discretisation<Given>& solid) {
+    if constexpr (Wanted == Given) return &solid;
+    return nullptr;
+  }
+  std::vector<double> massDensities() const {
+    std::vector<double> density;
+    for (const SceneBody& body : scene_.bodies) density.push_back(body.material.mass_density);
+    return density;
   }
 
   /// Ports and joints as equations beside the problem.
-  void tie(const std::vector<solver::Equation>& equations, bool rigid) {
-    if (rigid) {
+  void tie(const std::vector<solver::Equation>& equations) {
+    if (rigid_) {
       throw common::Error("drive is '" + solver::driveName(scene_.drive) +
                           "' in a scene with rigid bodies or cylinder pins, whose rotation makes ties nonlinear; "
                           "allowed: elimination");
     }
     constexpr double PENALTY = 100, GAP = 1e-10;  // of the mean stiffness of a node, of a cell
     tied_ = std::make_unique<solver::TiedProblem>(
-        solid_, solver::makeTies(solid_->solid().dofCount(), 1, equations, solid_->reduction()), scene_.drive,
-        PENALTY * solver::meanStiffness(*solid_), GAP * scene_.cell_size);
+        problem_, solver::makeTies(cells_->dofCount(), 1, equations, problem_->coordinates().linear()), scene_.drive,
+        PENALTY * solver::meanStiffness(*problem_), GAP * scene_.cell_size);
   }
 
   Eigen::VectorXd displacements(const Eigen::VectorXd& z, double p) const {
     const Eigen::VectorXd controls = Eigen::VectorXd::Constant(1, p);
-    const Eigen::VectorXd all = solid_->reduction().expand(turning_ ? turning_->innerCoordinates(z) : z, controls);
-    return all.head(solid_->solid().dofCount());
+    const Eigen::VectorXd all = problem_->coordinates().expand(z, controls);
+    return all.head(cells_->dofCount());
   }
 
   double forceFloor() const {
@@ -152,18 +159,18 @@ class CompiledSceneOf : public CompiledScene {
 
   double displacement(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::VectorXd* gradient) const {
     const Vector<D> at = m.at.head<D>(), direction = m.direction.head<D>();
-    const auto nodes = solid_->solid().interpolate(m.body, at);
+    const auto nodes = cells_->interpolate(m.body, at);
     if (nodes.empty()) {
       throw common::Error("monitor '" + m.name + "' lies outside of body '" + scene_.bodies[m.body].name + "'");
     }
     for (const auto& [node, weight] : nodes) {
       if (gradient != nullptr) gradient->segment<D>(D * node) += weight * direction;
     }
-    return solid_->solid().displacementAt(m.body, at, u).dot(direction);
+    return cells_->displacementAt(m.body, at, u).dot(direction);
   }
 
   double rotation(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::VectorXd* gradient) const {
-    const mpm::Discretisation<D>& solid = solid_->solid();
+    const mpm::Discretisation<D>& solid = *cells_;
     double sine = 0, cosine = 0;
     Eigen::VectorXd d_sine = Eigen::VectorXd::Zero(solid.dofCount()), d_cosine = d_sine;
     for (int node = 0; node < solid.nodeCount(); ++node) {
@@ -187,11 +194,11 @@ class CompiledSceneOf : public CompiledScene {
   std::string symmetry_;
   std::unique_ptr<SceneCells<D>> geometry_;
   std::shared_ptr<mpm::Discretisation<D>> cells_;  ///< the problem's own
-  std::shared_ptr<solver::SolidProblem<D>> solid_;
-  Eigen::VectorXd constant_load_;  ///< [N] besides the weight
-  std::unique_ptr<Weight<D>> weight_;
-  std::unique_ptr<solver::TiedProblem> tied_;           ///< if ports and joints are kept as equations
-  std::unique_ptr<solver::TurningProblem<D>> turning_;  ///< if something is rigid
+  std::shared_ptr<const solver::TermProblem> problem_;
+  std::shared_ptr<const solver::LoadTerm> loads_;
+  std::shared_ptr<Weight<D>> weight_;
+  bool rigid_ = false;
+  std::unique_ptr<solver::TiedProblem> tied_;  ///< if ports and joints are kept as equations
 };
 
 }  // namespace

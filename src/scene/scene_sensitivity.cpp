@@ -18,14 +18,14 @@ template <int D>
 SceneSensitivityOf<D>::SceneSensitivityOf(SensitivityParts<D> parts, const solver::Equilibrium& x)
     : parts_(std::move(parts)),
       x_(x),
-      cholesky_(problemOf(parts_.tied, parts_.solid).pattern()),
-      system_(problemOf(parts_.tied, parts_.solid), cholesky_) {
+      cholesky_(problemOf(parts_.tied, parts_.problem).pattern()),
+      system_(problemOf(parts_.tied, parts_.problem), cholesky_) {
   if (system_.factorize(x_.at.hessian) < 0) {
     throw common::Error("sensitivities do not exist at control " + std::to_string(x_.p(0)) +
                         ": the Hessian is singular there (a limit point, a bifurcation or a free motion)");
   }
   Eigen::VectorXd load, control_part;
-  problemOf(parts_.tied, parts_.solid).controlTangent(x_.at, Eigen::VectorXd::Ones(1), load, control_part);
+  problemOf(parts_.tied, parts_.problem).controlTangent(x_.at, Eigen::VectorXd::Ones(1), load, control_part);
   Eigen::VectorXd driven;
   if (parts_.tied != nullptr) driven = parts_.tied->ties().control.col(0);
   system_.solve(-load, driven, slope_, multiplier_slope_);
@@ -56,8 +56,8 @@ solver::Ties SceneSensitivityOf<D>::movedTies(int joint, int axis) const {
     place.from(axis) += by;
     place.to(axis) += by;
     const SceneCells<D> cells(moved, parts_.mirror);
-    at[side] = solver::makeTies(parts_.solid.solid().dofCount(), 1, Constraints<D>(moved, cells).equations(),
-                                parts_.solid.reduction());
+    at[side] = solver::makeTies(parts_.solid.dofCount(), 1, Constraints<D>(moved, cells).equations(),
+                                parts_.problem.coordinates().linear());
     if (at[side].equation != parts_.tied->ties().equation) {
       throw common::Error("joint '" + place.name + "' lies within " + std::to_string(step) +
                           " m of the edge of a body or of another tie: it has no derivative by its place");
@@ -72,14 +72,15 @@ solver::Ties SceneSensitivityOf<D>::movedTies(int joint, int axis) const {
 /// Directions of nodal displacements, without the rigid groups' dofs.
 template <int D>
 Eigen::VectorXd SceneSensitivityOf<D>::nodal(const Eigen::VectorXd& dz, double dp) const {
-  return parts_.solid.reduction()
+  return parts_.problem.coordinates()
+      .linear()
       .expandDirection(dz, Eigen::VectorXd::Constant(1, dp))
-      .head(parts_.solid.solid().dofCount());
+      .head(parts_.solid.dofCount());
 }
 
 template <int D>
 Eigen::VectorXd SceneSensitivityOf<D>::densitySlope(const Eigen::VectorXd& v) const {
-  return parts_.solid.solid().densityDerivative(x_.at.displacements, v) - parts_.weight.densitySlope(v);
+  return parts_.problem.densityDerivative(x_.at, &v, parts_.solid.cellCount());
 }
 
 template <int D>
@@ -97,8 +98,7 @@ SceneSlope SceneSensitivityOf<D>::reaction() const {
 template <int D>
 SceneSlope SceneSensitivityOf<D>::potential() const {
   SceneSlope result;
-  result.density =
-      parts_.solid.solid().densityDerivative(x_.at.displacements, {}) - parts_.weight.densitySlope(x_.at.displacements);
+  result.density = parts_.problem.densityDerivative(x_.at, nullptr, parts_.solid.cellCount());
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     result.joint(k / 2, k % 2) = force_.dot(rows_[k].gap(x_.z, x_.p));
@@ -108,7 +108,7 @@ SceneSlope SceneSensitivityOf<D>::potential() const {
 
 template <int D>
 SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) const {
-  const solver::Reduction& reduction = parts_.solid.reduction();
+  const solver::Reduction& reduction = parts_.problem.coordinates().linear();
   Eigen::VectorXd all = Eigen::VectorXd::Zero(reduction.dofCount()), w, nu;
   all.head(gradient.size()) = gradient;
   const Eigen::VectorXd closed = Eigen::VectorXd::Zero(force_.size());
@@ -124,8 +124,13 @@ SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) co
 
 template <int D>
 SceneSlope SceneSensitivityOf<D>::compliance() const {
-  SceneSlope result = functional(parts_.solid.loadAt(x_.p));
-  result.density += parts_.weight.densitySlope(x_.at.displacements);  // the weight is part of the functional itself
+  Eigen::VectorXd load = parts_.weight.load();
+  if (const Eigen::VectorXd dead = parts_.loads.loadAt(x_.p); dead.size() > 0) load += dead;
+  SceneSlope result = functional(load);
+  // The weight is part of the functional itself.
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(parts_.solid.cellCount());
+  parts_.weight.densityDerivative({x_.at.place.y, x_.p, nullptr, 1}, nullptr, own);
+  result.density -= own;
   return result;
 }
 
@@ -137,7 +142,7 @@ SceneSlope SceneSensitivityOf<D>::monitor(int number) const {
 template <int D>
 SceneSlope SceneSensitivityOf<D>::volume() const {
   SceneSlope result;
-  result.density = solver::cellVolumes(parts_.solid.solid());
+  result.density = solver::cellVolumes(parts_.solid);
   result.joint = Eigen::MatrixXd::Zero(joints_.size(), 2);
   return result;
 }

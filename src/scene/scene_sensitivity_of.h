@@ -1,11 +1,12 @@
 #pragma once
-/// Sensitivities of a scene in D dimensions (internal to the statics floor).
+/// Sensitivities of a scene in D dimensions (internal to the layer).
 
 #include <string>
 
 #include "scene_cells.h"
 #include "scene_weight.h"
 #include "snapwing/scene/scene_sensitivity.h"
+#include "snapwing/solver/load_term.h"
 #include "snapwing/solver/sensitivity.h"
 
 namespace snapwing::scene {
@@ -15,7 +16,9 @@ template <int D>
 struct SensitivityParts {
   const Scene& scene;
   const Mirror& mirror;
-  const solver::SolidProblem<D>& solid;
+  const solver::TermProblem& problem;
+  const mpm::Discretisation<D>& solid;
+  const solver::LoadTerm& loads;
   const Weight<D>& weight;
   const solver::TiedProblem* tied;  ///< null: everything is eliminated
   /// Gradients of the monitors by the nodal displacements at the equilibrium, (dofs x monitors).

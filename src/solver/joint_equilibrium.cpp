@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
+#include "snapwing/solver/term_problem.h"
 
 namespace snapwing::solver {
 
@@ -46,11 +47,14 @@ JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<
   const int dofs = solid->dofCount();
   check(H, dofs, names_.size(), settings);
   rank_ = rankOf(H);
-  solid_ = std::make_shared<SolidProblem<D>>(std::move(solid), Reduction(dofs, 1, {}), MatrixXd(), settings.threads,
-                                             settings.force_tolerance);
-  solid_->setEnergyFloor(settings.energy_floor);
-  tied_ = std::make_unique<TiedProblem>(solid_, tiesOf(std::move(H)), settings.drive, settings.stiffness,
-                                        settings.gap_tolerance);
+  load_ = std::make_shared<LoadTerm>(VectorXd(), MatrixXd());
+  TermProblem::Parts parts =
+      solidParts<D>(std::move(solid), std::make_shared<const Coordinates>(Reduction(dofs, 1, {})), settings.threads,
+                    settings.force_tolerance);
+  parts.terms.push_back(load_);
+  parts.energy_floor = settings.energy_floor;
+  tied_ = std::make_unique<TiedProblem>(std::make_shared<const TermProblem>(std::move(parts)), tiesOf(std::move(H)),
+                                        settings.drive, settings.stiffness, settings.gap_tolerance);
   NewtonSettings newton;
   newton.max_iterations = settings.max_iterations;
   newton.relative_tolerance = NO_SCALE;
@@ -78,7 +82,7 @@ JointResult JointEquilibrium<D>::solve(const VectorXd& f, const VectorXd& h, con
     result.status = JointStatus::RANK_DEFICIENT;
     return result;
   }
-  solid_->setDeadLoad(f);
+  load_->setDead(f);
   solver_->setTieConstant(h);
   Equilibrium x = solver_->start(guess, 0);
   const NewtonResult newton = solver_->minimise(x);

@@ -132,10 +132,11 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eige
     const Eigen::VectorXd candidate = z + length * d;
     evaluate(candidate, p, trial == 0 ? Order::TANGENT : Order::STRESS, trial_);
     if (!trial_.finite) continue;
-    const bool lower = trial_.energy <= at.energy + 1e-4 * length * slope;
+    const bool lower = at.potential ? trial_.energy <= at.energy + 1e-4 * length * slope
+                                    : trial_.residual.norm() <= (1 - 1e-4 * length) * at.residual.norm();
     const double slope_there = trial_.residual.dot(d);
-    const bool flatter =
-        trial_.energy <= at.energy + rounding && slope_there >= 0.9 * slope && slope_there <= -0.998 * slope;
+    const bool flatter = at.potential && trial_.energy <= at.energy + rounding && slope_there >= 0.9 * slope &&
+                         slope_there <= -0.998 * slope;
     if (!lower && !flatter) continue;
     if (trial > 0) evaluate(candidate, p, Order::TANGENT, trial_);
     z = candidate;

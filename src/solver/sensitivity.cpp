@@ -2,36 +2,26 @@
 
 namespace snapwing::solver {
 
-template <int D>
-Eigen::VectorXd Sensitivity<D>::residualSlope(const Eigen::VectorXd& v) const {
-  Eigen::VectorXd result = problem_.solid().densityDerivative(at_.displacements, v);
-  if (load_slope_) result -= load_slope_(v.size() > 0 ? v : at_.displacements);
-  return result;
-}
-
-template <int D>
-Eigen::VectorXd Sensitivity<D>::reaction() const {
+Eigen::VectorXd Sensitivity::reaction() const {
   const Eigen::VectorXd dp = Eigen::VectorXd::Ones(1);
   Eigen::VectorXd free_part, control_part;
   problem_.controlTangent(at_, dp, free_part, control_part);
   return reaction(-cholesky_.solve(free_part));
 }
 
-template <int D>
-Eigen::VectorXd Sensitivity<D>::reaction(const Eigen::VectorXd& slope) const {
-  return residualSlope(problem_.reduction().expandDirection(slope, Eigen::VectorXd::Ones(1)));
+Eigen::VectorXd Sensitivity::reaction(const Eigen::VectorXd& slope) const {
+  const Eigen::VectorXd v = problem_.coordinates().push(at_.place, slope, Eigen::VectorXd::Ones(1));
+  return problem_.densityDerivative(at_, &v, cells_);
 }
 
-template <int D>
-Eigen::VectorXd Sensitivity<D>::displacement(const Eigen::VectorXd& functional) const {
-  const Eigen::VectorXd adjoint = -cholesky_.solve(problem_.reduction().restrictToFree(functional));
-  return residualSlope(problem_.reduction().expandDirection(adjoint, Eigen::VectorXd::Zero(problem_.controlCount())));
+Eigen::VectorXd Sensitivity::displacement(const Eigen::VectorXd& functional) const {
+  const Eigen::VectorXd adjoint = -cholesky_.solve(problem_.coordinates().pullBack(at_.place, functional));
+  const Eigen::VectorXd v =
+      problem_.coordinates().push(at_.place, adjoint, Eigen::VectorXd::Zero(problem_.controlCount()));
+  return problem_.densityDerivative(at_, &v, cells_);
 }
 
-template <int D>
-Eigen::VectorXd Sensitivity<D>::energy() const {
-  return residualSlope({});
-}
+Eigen::VectorXd Sensitivity::energy() const { return problem_.densityDerivative(at_, nullptr, cells_); }
 
 template <int D>
 Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid) {
@@ -45,7 +35,5 @@ Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid) {
 
 template Eigen::VectorXd cellVolumes(const mpm::Discretisation<2>& solid);
 template Eigen::VectorXd cellVolumes(const mpm::Discretisation<3>& solid);
-template class Sensitivity<2>;
-template class Sensitivity<3>;
 
 }  // namespace snapwing::solver

@@ -70,8 +70,8 @@ ArmProblem::ArmProblem(const vehicle::ArmSettings& arm, const elasticity::Materi
   // Rounding of the deformation gradient times the modulus: no residual can be told from zero below that.
   const double modulus = material.lambda() + 2 * material.mu();
   const double floor = 1e-13 * modulus * field_.cell_size * arm.leg_thickness;
-  problem_ = std::make_unique<solver::SolidProblem<2>>(solid_, std::move(reduction), Eigen::MatrixXd(),
-                                                       settings.threads, floor);
+  problem_ = std::make_unique<solver::TermProblem>(solver::solidParts<2>(
+      solid_, std::make_shared<const solver::Coordinates>(std::move(reduction), 2), settings.threads, floor));
 }
 
 void ArmProblem::setDensities(const std::vector<double>& densities) {
@@ -83,18 +83,18 @@ void ArmProblem::setDensities(const std::vector<double>& densities) {
 }
 
 Eigen::VectorXd ArmProblem::displacements(const Eigen::VectorXd& z, double travel) const {
-  return problem_->reduction().expand(z, Eigen::VectorXd::Constant(1, travel));
+  return problem_->coordinates().expand(z, Eigen::VectorXd::Constant(1, travel));
 }
 
 mpm::MovingMass ArmProblem::movingMass(const Eigen::VectorXd& slope) const {
-  const Eigen::VectorXd rate = problem_->reduction().expandDirection(slope, Eigen::VectorXd::Ones(1));
-  return mpm::movingMass<2>(problem_->solid(), {mass_density_}, rate, Vector<2>(0, 1));
+  const Eigen::VectorXd rate = problem_->coordinates().linear().expandDirection(slope, Eigen::VectorXd::Ones(1));
+  return mpm::movingMass<2>(*solid_, {mass_density_}, rate, Vector<2>(0, 1));
 }
 
 double ArmProblem::rotation(const Eigen::VectorXd& z, double travel) const {
   constexpr double REACH = 0.004;
   const Eigen::VectorXd u = displacements(z, travel);
-  const mpm::Discretisation<2>& solid = problem_->solid();
+  const mpm::Discretisation<2>& solid = *solid_;
   const Vector<2> pin(arm_.pin_x, arm_.pin_y);
   double sine = 0, cosine = 0;
   for (int node = 0; node < solid.nodeCount(); ++node) {
@@ -112,7 +112,7 @@ std::vector<std::vector<std::array<double, 2>>> ArmProblem::movedShapes(const Ei
   auto loops = restShapes();
   for (auto& loop : loops) {
     for (auto& point : loop) {
-      const Vector<2> moved = problem_->solid().displacementAt(0, Vector<2>(point[0], point[1]), u);
+      const Vector<2> moved = solid_->displacementAt(0, Vector<2>(point[0], point[1]), u);
       point = {point[0] + moved(0), point[1] + moved(1)};
     }
   }

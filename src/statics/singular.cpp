@@ -113,7 +113,7 @@ bool locateSingular(solver::EquilibriumSolver& solver, const solver::Equilibrium
   }
   describe(low, high, found);
   found.point.at.hessian.clear();  // large, and not needed any more
-  found.point.at.assembly = {};
+  found.point.at.sum = {};
   found.control_rate = controlRateNear(solver, chord, first, last, 0.5 * (low.s + high.s));
   found.kind = found.control_rate < 0.02 ? SingularKind::LIMIT_POINT : SingularKind::BIFURCATION;
   return true;

@@ -2,59 +2,73 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <random>
 
 #include "scene_text.h"
 #include "snapwing/common/error.h"
-#include "snapwing/solver/rigid_motion.h"
+#include "snapwing/solver/rotation.h"
 #include "support/derivative_check.h"
 
 namespace snapwing::scene {
 namespace {
 
 template <int D>
-Eigen::Matrix<double, D, D> rotationOf(const solver::Turning& t, const Eigen::VectorXd& s) {
-  const Eigen::VectorXd e = solver::turn<D>(t, s).value / t.length;
+Eigen::Matrix<double, D, D> rotationOf(const solver::Rotation& t, const Eigen::VectorXd& s,
+                                       const Eigen::Matrix3d* reference = nullptr) {
+  const Eigen::VectorXd e = solver::rotate(t, D, s, reference).value / t.length;
   return Eigen::Map<const Eigen::Matrix<double, D, D>>(e.data()) + Eigen::Matrix<double, D, D>::Identity();
 }
 
 template <int D>
-void checkTurning(const solver::Turning& t, const Eigen::VectorXd& s) {
-  const auto r = rotationOf<D>(t, s);
+void checkRotation(const solver::Rotation& t, const Eigen::VectorXd& s, const Eigen::Matrix3d* reference = nullptr) {
+  const auto r = rotationOf<D>(t, s, reference);
   EXPECT_LT((r.transpose() * r - Eigen::MatrixXd::Identity(D, D)).norm(), 1e-13);
   EXPECT_NEAR(r.determinant(), 1, 1e-13);
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   const Eigen::VectorXd d = Eigen::VectorXd::NullaryExpr(s.size(), [&] { return normal(random); });
-  const solver::TurningValue at = solver::turn<D>(t, s);
-  EXPECT_TRUE(test::derivativeMatches([&](double h) { return solver::turn<D>(t, s + h * d).value; }, at.slope * d,
-                                      t.length, 1e-9));
+  const solver::RotationValue at = solver::rotate(t, D, s, reference);
+  EXPECT_TRUE(test::derivativeMatches([&](double h) { return solver::rotate(t, D, s + h * d, reference).value; },
+                                      at.slope * d, t.length, 1e-9));
   Eigen::VectorXd second(D * D * s.size());
   for (int e = 0; e < D * D; ++e) second.segment(e * s.size(), s.size()) = at.second[e] * d;
   const auto slopes = [&](double h) {
-    const Eigen::MatrixXd slope = solver::turn<D>(t, s + h * d).slope.transpose();
+    const Eigen::MatrixXd slope = solver::rotate(t, D, s + h * d, reference).slope.transpose();
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(slope.data(), slope.size()));
   };
   EXPECT_TRUE(test::derivativeMatches(slopes, second, t.length, 1e-8));
 }
 
-TEST(Turning, IsARotationWithItsDerivatives) {
+TEST(Rotation, IsARotationWithItsDerivatives) {
   using Eigen::Vector3d;
-  const solver::Turning planar{0, 0.02, {Vector3d::UnitZ()}};
-  for (const double angle : {0.0, 0.3, -2.0, 5.0}) checkTurning<2>(planar, Eigen::VectorXd::Constant(1, 0.02 * angle));
-  const solver::Turning axis{0, 0.02, {Vector3d(1, 2, -2) / 3}};
-  checkTurning<3>(axis, Eigen::VectorXd::Constant(1, 0.02 * 1.3));
-  const solver::Turning all{0, 0.02, {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()}};
+  const solver::Rotation planar{0, 0.02, {Vector3d::UnitZ()}};
+  for (const double angle : {0.0, 0.3, -2.0, 5.0}) checkRotation<2>(planar, Eigen::VectorXd::Constant(1, 0.02 * angle));
+  const solver::Rotation axis{0, 0.02, {Vector3d(1, 2, -2) / 3}};
+  checkRotation<3>(axis, Eigen::VectorXd::Constant(1, 0.02 * 1.3));
+  const solver::Rotation all{0, 0.02, {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()}};
   for (const Vector3d& v : {Vector3d(0, 0, 0), Vector3d(1e-5, 0, 0), Vector3d(0.4, -0.9, 1.1), Vector3d(3, 4, -1)}) {
-    checkTurning<3>(all, 0.02 * v);
+    checkRotation<3>(all, 0.02 * v);
   }
 }
 
-TEST(Turning, QuarterTurnAboutZ) {
+TEST(Rotation, FromAReferenceIsTheProduct) {
+  using Eigen::Vector3d;
+  const Eigen::Matrix3d reference = Eigen::AngleAxisd(2.5, Vector3d(2, -1, 2) / 3).toRotationMatrix();
+  const Eigen::Matrix3d in_plane = Eigen::AngleAxisd(-1.9, Vector3d::UnitZ()).toRotationMatrix();
+  const solver::Rotation planar{0, 0.02, {Vector3d::UnitZ()}};
+  checkRotation<2>(planar, Eigen::VectorXd::Constant(1, 0.02 * 0.7), &in_plane);
+  const solver::Rotation all{0, 0.02, {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()}};
+  const Eigen::VectorXd s = 0.02 * Vector3d(0.4, -0.9, 1.1);
+  checkRotation<3>(all, s, &reference);
+  EXPECT_LT((rotationOf<3>(all, s, &reference) - rotationOf<3>(all, s) * reference).norm(), 1e-14);
+}
+
+TEST(Rotation, QuarterTurnAboutZ) {
   const double quarter = std::acos(0.0);
-  const solver::Turning all{0, 1, {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()}};
+  const solver::Rotation all{0, 1, {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()}};
   const Eigen::Matrix3d r = rotationOf<3>(all, Eigen::Vector3d(0, 0, quarter));
   EXPECT_LT((r * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-14);
 }
@@ -110,6 +124,45 @@ void checkProblem(const solver::Problem& problem, const Eigen::VectorXd& z, doub
 
 const char* const END_LOAD_2 = "loads:\n  - {name: end, body: block, region: {x: [10, 10]}, force: [0, 0.12]}\n";
 const char* const END_LOAD_3 = "loads:\n  - {name: end, body: block, region: {x: [10, 10]}, force: [0, 0.12, 0.03]}\n";
+
+/// The same in a step in time, with a rotation that goes on from a reference; and the inertia is that of the masses.
+TEST(Rigid, StepsHaveTheirTangentAtFiniteRotation) {
+  for (const int dimension : {2, 3}) {
+    const Scene scene = sceneFromText(stripAndBlock(dimension, "linear", ""));
+    const auto compiled = compileScene(scene, 1);
+    const auto problem = compiled->sharedTerms()->with({compiled->inertia(mpm::MassKind::CONSISTENT)});
+    const solver::Coordinates& coordinates = problem->coordinates();
+    ASSERT_EQ(coordinates.rotationCount(), 1);
+    const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
+    auto context = std::make_shared<solver::StepContext>();
+    context->step.h = 1e-3;
+    context->step.kappa = 2e6;
+    context->step.path = {{0.5, 1.0}};
+    Eigen::VectorXd z(problem->freeCount());
+    for (int k = 0; k < z.size(); ++k) z(k) = 3e-5 * std::sin(1.1 * k);
+    for (int k = 1; k <= (dimension == 2 ? 1 : 3); ++k) z(z.size() - k) = 2e-4 * k;
+    const std::shared_ptr<const solver::References> reference = coordinates.renew(z, nullptr);
+    context->step.y0 = coordinates.expand(z, p, reference.get());
+    context->step.v0 = Eigen::VectorXd::Zero(coordinates.fullCount());
+    for (int k = 0; k < z.size(); ++k) z(k) += 2e-5 * std::cos(2.3 * k);
+    checkProblem(solver::StepProblem(problem, context, reference), z, 0, 1e-5);
+    // All nodes moved alike by d at rest: kappa / 2 m d^2.
+    context->step.path.clear();
+    context->step.y0 = Eigen::VectorXd::Zero(coordinates.fullCount());
+    solver::HessianLayout layout(coordinates.fullCount());
+    const int nodes = compiled->planar() ? compiled->planar()->dofCount() : compiled->volumetric()->dofCount();
+    dimension == 2 ? layout.addRegion(0, compiled->planar()->pattern())
+                   : layout.addRegion(0, compiled->volumetric()->pattern());
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(coordinates.fullCount());
+    for (int k = 0; k < nodes; k += dimension) y(k) = 1e-3;
+    solver::Sum sum;
+    sum.reset(layout, 1, solver::Order::ENERGY);
+    compiled->inertia(mpm::MassKind::CONSISTENT)->evaluate({y, p, &context->step, 1}, solver::Order::ENERGY, sum);
+    const double mass = compiled->movingMass(0 * z, 0, 0 * z).mass / compiled->multiplicity();
+    EXPECT_GT(mass, 1e-6);
+    EXPECT_NEAR(sum.energy, 0.5 * 2e6 * mass * 1e-6, 1e-12 * sum.energy);
+  }
+}
 
 TEST(Rigid, EnergyResidualAndTangentAgreeAtFiniteRotation) {
   for (const int dimension : {2, 3}) {
@@ -188,7 +241,7 @@ TEST(Rigid, GravityOfARigidBodyIsItsWeight) {
 
 /// Held so that it may turn about one skew axis only: the axis is found.
 TEST(Rigid, OpenAxesAreFoundOrRefused) {
-  const solver::Turning t{100, 1, {}};
+  const solver::Rotation t{100, 1, {}};
   using Eigen::Vector3d;
   const std::vector<Vector3d> all = {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
   const auto entry = [](int i, int j, double value) { return std::make_pair(100 + i + 3 * j, value); };

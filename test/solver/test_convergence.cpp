@@ -9,7 +9,9 @@
 #include <memory>
 
 #include "snapwing/elasticity/neo_hookean.h"
+#include "snapwing/solver/load_term.h"
 #include "snapwing/solver/newton.h"
+#include "snapwing/solver/term_problem.h"
 
 namespace snapwing::solver {
 namespace {
@@ -154,6 +156,15 @@ Errors errorsOf(const Block<D>& block, const Eigen::VectorXd& u) {
 }
 
 template <int D>
+TermProblem::Parts partsOf(const std::shared_ptr<const mpm::Discretisation<D>>& solid,
+                           const std::vector<Equation>& equations, const Eigen::VectorXd& load) {
+  TermProblem::Parts parts =
+      solidParts<D>(solid, std::make_shared<const Coordinates>(Reduction(solid->dofCount(), 1, equations)), 1, 1e-15);
+  parts.terms.push_back(std::make_shared<const LoadTerm>(load, Eigen::MatrixXd()));
+  return parts;
+}
+
+template <int D>
 Errors solveOn(Way way, int cells) {
   mpm::Index<D> all;
   all.fill(cells);
@@ -162,8 +173,7 @@ Errors solveOn(Way way, int cells) {
   const auto rest = [](const auto&) { return mpm::Vector<D>(mpm::Vector<D>::Zero()); };
   block.prescribe(0, false, rest, equations);
   if (D == 2) block.prescribe(0, true, rest, equations);
-  SolidProblem<D> problem(block.solid, Reduction(block.solid->dofCount(), 1, equations), Eigen::MatrixXd(), 1, 1e-15);
-  problem.setDeadLoad(exactLoad(block));
+  const TermProblem problem(partsOf<D>(block.solid, equations, exactLoad(block)));
   Eigen::VectorXd start(block.solid->dofCount());
   for (int n = 0; n < block.solid->nodeCount(); ++n) {
     start.segment<D>(D * n) = exact<D>(block.solid->position(n));
@@ -172,11 +182,11 @@ Errors solveOn(Way way, int cells) {
   settings.relative_tolerance = 1e-10;
   settings.max_iterations = 15;  // the search begins near its end
   Newton newton(problem, settings);
-  Eigen::VectorXd z = problem.reduction().freePart(start);
+  Eigen::VectorXd z = problem.coordinates().linear().freePart(start);
   Evaluation at;
   const NewtonResult result = newton.solve(Eigen::VectorXd::Zero(1), z, at);
   EXPECT_TRUE(result.converged()) << result.message;
-  return errorsOf(block, at.displacements);
+  return errorsOf(block, at.place.y);
 }
 
 /// Errors at three resolutions; the order is that between the two finest.
@@ -222,14 +232,13 @@ void checkPatch(Way way) {
   for (int axis = 0; axis < D; ++axis) {
     for (const bool high : {false, true}) block.prescribe(axis, high, affine, equations);
   }
-  const SolidProblem<D> problem(block.solid, Reduction(block.solid->dofCount(), 1, equations), Eigen::MatrixXd(), 1,
-                                1e-15);
+  const TermProblem problem(partsOf<D>(block.solid, equations, Eigen::VectorXd()));
   ASSERT_GT(problem.freeCount(), 5);
   Eigen::VectorXd expected(block.solid->dofCount());
   for (int n = 0; n < block.solid->nodeCount(); ++n) {
     expected.segment<D>(D * n) = affine(block.solid->position(n));
   }
-  Eigen::VectorXd z = problem.reduction().freePart(expected);
+  Eigen::VectorXd z = problem.coordinates().linear().freePart(expected);
   for (int k = 0; k < z.size(); ++k) z(k) += 0.02 * std::sin(2.3 * k + 1);
   NewtonSettings settings;
   settings.relative_tolerance = 1e-12;
@@ -238,7 +247,7 @@ void checkPatch(Way way) {
   const NewtonResult result = newton.solve(Eigen::VectorXd::Zero(1), z, at);
   ASSERT_TRUE(result.converged()) << result.message;
   EXPECT_GE(result.iterations, 2) << "the search began at its end: nothing was tested";
-  EXPECT_LT((at.displacements - expected).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((at.place.y - expected).cwiseAbs().maxCoeff(), 1e-9);
   elasticity::Response<D> r;
   ASSERT_TRUE(block.law.evaluate(f, 1, Order::ENERGY, r));
   EXPECT_NEAR(at.elastic_energy, r.energy * block.solid->cellCount() * std::pow(0.2, D), 1e-9 * at.elastic_energy);

@@ -34,6 +34,7 @@ struct Assembly {
   double energy = 0;           ///< [J]
   Eigen::VectorXd gradient;    ///< dE/du [N], D per node
   std::vector<double> blocks;  ///< d2E/du2 [N/m] in the order of the pattern
+  bool add_blocks = false;     ///< the blocks are added to what is there; more may stand behind them
   double force_scale = 0;      ///< [N] 2-norm of the cells' nodal forces before they cancel
   double min_det_f = std::numeric_limits<double>::infinity();  ///< over all particles
   int min_det_f_cell = -1;

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/mpm/mass.h"
 #include "snapwing/mpm/moving_mass.h"
 #include "snapwing/scene/scene.h"
 #include "snapwing/scene/scene_sensitivity.h"
-#include "snapwing/solver/problem.h"
+#include "snapwing/solver/term_problem.h"
 
 namespace snapwing::scene {
 
@@ -23,6 +24,14 @@ class CompiledScene {
  public:
   virtual ~CompiledScene() = default;
   virtual const solver::Problem& problem() const = 0;
+  /// The sum of terms that it is, without what is kept as an equation. Stays what it is when densities change.
+  virtual const solver::TermProblem& terms() const = 0;
+  virtual std::shared_ptr<const solver::TermProblem> sharedTerms() const = 0;
+  /// Inertia of all bodies, rigid ones as well, at the densities of now: a term more for a problem in time.
+  virtual std::shared_ptr<const solver::Term> inertia(mpm::MassKind kind) const = 0;
+  /// The solids of a planar or of a volumetric scene, null otherwise.
+  virtual const mpm::Discretisation<2>* planar() const = 0;
+  virtual const mpm::Discretisation<3>* volumetric() const = 0;
   /// Forces and energies of the whole are this times those of the problem.
   virtual double multiplicity() const = 0;
   /// What symmetry was used, in words; "none".
@@ -47,8 +56,6 @@ class CompiledScene {
   /// the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
   /// joint at the edge of a body
   virtual std::unique_ptr<SceneSensitivity> sensitivity(const solver::Equilibrium& x) const = 0;
-  /// d(l . v)/drho_c of the scene's weight l, (cells x 1) [J]. @param v  nodal displacements, (dofs x 1) [m]
-  virtual Eigen::VectorXd weightByDensity(const Eigen::VectorXd& v) const = 0;
   /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).
   virtual std::string vtu(const Eigen::VectorXd& z, double p) const = 0;
 };

@@ -13,6 +13,7 @@
 
 #include "snapwing/mpm/discretisation.h"
 #include "snapwing/solver/equilibrium.h"
+#include "snapwing/solver/load_term.h"
 
 namespace snapwing::solver {
 
@@ -64,7 +65,7 @@ class JointEquilibrium {
  private:
   std::vector<std::string> names_;
   RowRank rank_;
-  std::shared_ptr<SolidProblem<D>> solid_;
+  std::shared_ptr<LoadTerm> load_;
   std::unique_ptr<TiedProblem> tied_;
   std::unique_ptr<EquilibriumSolver> solver_;
 };

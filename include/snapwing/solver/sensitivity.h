@@ -1,15 +1,12 @@
 #pragma once
 /// Derivatives of results by the cells' densities, by the adjoint method. With r(z, rho; p) = dPi/dz = 0,
-///   dR/drho     = d2E/(drho du) . du/dp            for the reaction R = dPi/dp, du/dp the tangent of the path
-///   d(a.u)/drho = d2E/(drho du) . (-T H^-1 T^T a)  for a displacement functional
-///   dPi/drho    = dPi/drho at fixed u              for the potential at a driven displacement
-/// where loads l(rho) that follow the densities, as weight does, add -d(l.u)/drho to the energy's derivatives. The
-/// first is the paper's formula with its sign corrected: T H^-1 enters du/dp with a minus.
+///   dR/drho     = d2Pi/(drho dy) . dy/dp            for the reaction R = dPi/dp, dy/dp the tangent of the path
+///   d(a.y)/drho = d2Pi/(drho dy) . (-J H^-1 J^T a)  for a displacement functional
+///   dPi/drho    = dPi/drho at fixed y               for the potential at a driven displacement
+/// The first is the paper's formula with its sign corrected: J H^-1 enters dy/dp with a minus. What each term has of
+/// the densities it says itself (Term::densityDerivative).
 
-#include <functional>
-#include <utility>
-
-#include "snapwing/solver/problem.h"
+#include "snapwing/solver/term_problem.h"
 
 namespace snapwing::solver {
 
@@ -17,34 +14,26 @@ namespace snapwing::solver {
 template <int D>
 Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid);
 
-using LoadSlope = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
-
 /// All at one converged point; `cholesky` must hold the factor of the exact Hessian there. Per cell, in the order of
 /// cells.
-template <int D>
 class Sensitivity {
  public:
   /// @param problem, cholesky  must outlive this
-  /// @param at  evaluation of order TANGENT at the equilibrium
-  /// @param load_slope  v -> d(l . v)/drho_c (cells x 1) of loads that follow the densities; empty: there are none
-  Sensitivity(const SolidProblem<D>& problem, const Cholesky& cholesky, const Evaluation& at, LoadSlope load_slope = {})
-      : problem_(problem), cholesky_(cholesky), at_(at), load_slope_(std::move(load_slope)) {}
+  /// @param at     evaluation of order TANGENT at the equilibrium
+  /// @param cells  of the solid
+  Sensitivity(const TermProblem& problem, const Cholesky& cholesky, const Evaluation& at, int cells)
+      : problem_(problem), cholesky_(cholesky), at_(at), cells_(cells) {}
 
   Eigen::VectorXd reaction() const;                                       ///< [N]
   Eigen::VectorXd reaction(const Eigen::VectorXd& slope) const;           ///< [N] where slope = dz/dp is known already
-  Eigen::VectorXd displacement(const Eigen::VectorXd& functional) const;  ///< of functional . u, (dofs x 1)
-  Eigen::VectorXd energy() const;                                         ///< of the potential [J]
-  /// [m3] of sum rho_c m_c
-  Eigen::VectorXd volume() const { return cellVolumes(problem_.solid()); }
+  Eigen::VectorXd displacement(const Eigen::VectorXd& functional) const;  ///< of functional . y, (coordinates x 1)
+  Eigen::VectorXd energy() const;                                         ///< [J]
 
  private:
-  /// d(r . v)/drho_c of the nodal residual r; without v the potential's own.
-  Eigen::VectorXd residualSlope(const Eigen::VectorXd& v) const;
-
-  const SolidProblem<D>& problem_;
+  const TermProblem& problem_;
   const Cholesky& cholesky_;
   const Evaluation& at_;
-  LoadSlope load_slope_;
+  int cells_;
 };
 
 }  // namespace snapwing::solver

@@ -8,6 +8,7 @@
 #include "snapwing/elasticity/material.h"
 #include "snapwing/mpm/density_field.h"
 #include "snapwing/mpm/moving_mass.h"
+#include "snapwing/solver/term_problem.h"
 #include "snapwing/statics/features.h"
 #include "snapwing/statics/path.h"
 #include "snapwing/vehicle/force_table.h"
@@ -30,9 +31,10 @@ class ArmProblem {
   ArmProblem(const vehicle::ArmSettings& arm, const elasticity::Material& material, const mpm::DensityField& design,
              const ArmProblemSettings& settings);
 
-  const solver::SolidProblem<2>& problem() const { return *problem_; }
+  const solver::TermProblem& problem() const { return *problem_; }
+  const mpm::Discretisation<2>& solid() const { return *solid_; }
   const mpm::DensityField& field() const { return field_; }
-  /// New densities, one per cell of the design in the order of problem().solid(). What holds a state of the problem
+  /// New densities, one per cell of the design in the order of solid(). What holds a state of the problem
   /// (a Newton, a path) must start anew. @throws common::Error for a wrong count or a value outside 0 .. 1
   void setDensities(const std::vector<double>& densities);
   /// Rotation of the bar's outer end about the axle [rad], positive as u grows: the rotation that fits the nodes within
@@ -50,8 +52,8 @@ class ArmProblem {
   vehicle::ArmSettings arm_;
   double mass_density_;  ///< [kg/m3]
   mpm::DensityField field_;
-  std::shared_ptr<mpm::Discretisation<2>> solid_;  ///< the problem's own
-  std::unique_ptr<solver::SolidProblem<2>> problem_;
+  std::shared_ptr<mpm::Discretisation<2>> solid_;
+  std::unique_ptr<solver::TermProblem> problem_;
 };
 
 struct ArmCurveSettings {

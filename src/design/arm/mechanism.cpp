@@ -6,25 +6,25 @@
 #include <map>
 
 #include "snapwing/common/error.h"
+#include "snapwing/solver/sensitivity.h"
 
 namespace snapwing::design {
 
 Mechanism::Mechanism(const scene::Scene& scene, int body, int threads)
-    : compiled_(scene::compileScene(scene, threads)), body_(body), heavy_(!scene.gravity.isZero()) {
-  planar_ = dynamic_cast<const solver::SolidProblem<2>*>(&compiled_->problem());
-  volumetric_ = dynamic_cast<const solver::SolidProblem<3>*>(&compiled_->problem());
-  if (!planar_ && !volumetric_) throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
+    : compiled_(scene::compileScene(scene, threads)), body_(body) {
+  if (compiled_->problem().tied() != nullptr || compiled_->terms().coordinates().rotationCount() > 0) {
+    throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
+  }
   for (int k = static_cast<int>(scene.monitors.size()); k-- > 0;) {
     if (scene.monitors[k].radius > 0) rotation_ = k;
   }
-  planar_ ? build(*planar_, scene) : build(*volumetric_, scene);
+  compiled_->planar() ? build(*compiled_->planar(), scene) : build(*compiled_->volumetric(), scene);
 }
 
 Mechanism::~Mechanism() = default;
 
 template <int D>
-void Mechanism::build(const solver::SolidProblem<D>& problem, const scene::Scene& scene) {
-  const mpm::Discretisation<D>& solid = problem.solid();
+void Mechanism::build(const mpm::Discretisation<D>& solid, const scene::Scene& scene) {
   const mpm::Grid<D>& grid = solid.grid(body_);
   const scene::SceneBody& designed = scene.bodies[body_];
   if (std::abs(grid.origin(0)) > 1e-9 || std::abs(grid.origin(1)) > 1e-9) {
@@ -97,27 +97,18 @@ Eigen::VectorXd Mechanism::sumColumns(const Eigen::VectorXd& by_cell) const {
   return sum;
 }
 
-template <int D>
-solver::Sensitivity<D> Mechanism::sensitivity(const solver::SolidProblem<D>& problem, const solver::Cholesky& cholesky,
-                                              const solver::Evaluation& at) const {
-  if (!heavy_) return {problem, cholesky, at};
-  return {problem, cholesky, at, [this](const Eigen::VectorXd& v) { return compiled_->weightByDensity(v); }};
-}
-
 Eigen::VectorXd Mechanism::forceByDensity(const solver::Cholesky& cholesky, const solver::Evaluation& at,
                                           const Eigen::VectorXd& slope) const {
-  return multiplicity() * sumColumns(planar_ ? sensitivity(*planar_, cholesky, at).reaction(slope)
-                                             : sensitivity(*volumetric_, cholesky, at).reaction(slope));
+  return multiplicity() * sumColumns(sensitivity(cholesky, at).reaction(slope));
 }
 
 Mechanism::Sensed Mechanism::rotation(const solver::Cholesky* cholesky, const solver::Evaluation& at) const {
   if (!turns()) throw common::Error("the mechanism has no monitor of a rotation");
   Sensed result;
   Eigen::VectorXd slope;
-  result.value = compiled_->monitor(rotation_, at.displacements, cholesky ? &slope : nullptr);
+  result.value = compiled_->monitor(rotation_, at.place.y, cholesky ? &slope : nullptr);
   if (!cholesky) return result;
-  result.by_density = sumColumns(planar_ ? sensitivity(*planar_, *cholesky, at).displacement(slope)
-                                         : sensitivity(*volumetric_, *cholesky, at).displacement(slope));
+  result.by_density = sumColumns(sensitivity(*cholesky, at).displacement(slope));
   return result;
 }
 
@@ -125,26 +116,25 @@ Mechanism::Sensed Mechanism::potential(const solver::Cholesky* cholesky, const s
   Sensed result;
   result.value = multiplicity() * at.energy;
   if (!cholesky) return result;
-  result.by_density = multiplicity() * sumColumns(planar_ ? sensitivity(*planar_, *cholesky, at).energy()
-                                                          : sensitivity(*volumetric_, *cholesky, at).energy());
+  result.by_density = multiplicity() * sumColumns(sensitivity(*cholesky, at).energy());
   return result;
 }
 
 Mechanism::Strain Mechanism::strain(double power, const solver::Cholesky* cholesky,
                                     const solver::Evaluation& at) const {
-  return planar_ ? strainOf(*planar_, power, cholesky, at) : strainOf(*volumetric_, power, cholesky, at);
+  return compiled_->planar() ? strainOf(*compiled_->planar(), power, cholesky, at)
+                             : strainOf(*compiled_->volumetric(), power, cholesky, at);
 }
 
 template <int D>
-Mechanism::Strain Mechanism::strainOf(const solver::SolidProblem<D>& problem, double power,
+Mechanism::Strain Mechanism::strainOf(const mpm::Discretisation<D>& solid, double power,
                                       const solver::Cholesky* cholesky, const solver::Evaluation& at) const {
-  const mpm::Discretisation<D>& solid = problem.solid();
   Strain result;
   Eigen::VectorXd s = Eigen::VectorXd::Zero(solid.cellCount());
   std::vector<elasticity::Matrix<D>> turn(solid.cellCount());  // d stretch / dF
   for (int c = 0; c < solid.cellCount(); ++c) {
     if (column_of_cell_[c] < 0) continue;
-    const Eigen::JacobiSVD<elasticity::Matrix<D>> svd(solid.deformationGradient(c, at.displacements),
+    const Eigen::JacobiSVD<elasticity::Matrix<D>> svd(solid.deformationGradient(c, at.place.y),
                                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
     s(c) = std::sqrt(solid.cell(c).density) * std::max(0.0, svd.singularValues()(0) - 1);
     turn[c] = svd.matrixU().col(0) * svd.matrixV().col(0).transpose();
@@ -172,7 +162,7 @@ Mechanism::Strain Mechanism::strainOf(const solver::SolidProblem<D>& problem, do
           weight(c) * std::sqrt(rho) * (turn[c] * slope.col(a));
     }
   }
-  result.by_density = sumColumns(direct + sensitivity(problem, *cholesky, at).displacement(functional));
+  result.by_density = sumColumns(direct + sensitivity(*cholesky, at).displacement(functional));
   return result;
 }
 

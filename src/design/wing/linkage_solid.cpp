@@ -209,14 +209,14 @@ ElasticSensitivity SolidLinkage<D>::sensitivity(const ElasticState& state) const
   }
   s.joint1.leftCols<2>() += Eigen::Matrix2d::Identity();
   s.joint2.rightCols<2>() += Eigen::Matrix2d::Identity();
-  s.energy = l.map.energy.transpose() + l.at.assembly.gradient.transpose() * du;
+  s.energy = l.map.energy.transpose() + l.at.sum.solids[0].gradient.transpose() * du;
   return s;
 }
 
 template <int D>
 Vector4d SolidLinkage<D>::gradient(const ElasticState& state, const StateSlopes& L) const {
   const Linearised l = linearise(state);
-  VectorXd L_u = L.energy * l.at.assembly.gradient;
+  VectorXd L_u = L.energy * l.at.sum.solids[0].gradient;
   scatter<D>(mesh_.at(COUPLER_BAR, 0), L.joint1, L_u);
   scatter<D>(mesh_.at(COUPLER_BAR, 1), L.joint2, L_u);
   scatter<D>(mesh_.at(EDGE_BAR, 1), L.tip, L_u);

@@ -64,20 +64,17 @@ class Mechanism {
 
  private:
   template <int D>
-  void build(const solver::SolidProblem<D>& problem, const scene::Scene& scene);
+  void build(const mpm::Discretisation<D>& solid, const scene::Scene& scene);
   template <int D>
-  Strain strainOf(const solver::SolidProblem<D>& problem, double power, const solver::Cholesky* cholesky,
+  Strain strainOf(const mpm::Discretisation<D>& solid, double power, const solver::Cholesky* cholesky,
                   const solver::Evaluation& at) const;
-  template <int D>
-  solver::Sensitivity<D> sensitivity(const solver::SolidProblem<D>& problem, const solver::Cholesky& cholesky,
-                                     const solver::Evaluation& at) const;
+  solver::Sensitivity sensitivity(const solver::Cholesky& cholesky, const solver::Evaluation& at) const {
+    return {compiled_->terms(), cholesky, at, compiled_->cellCount()};
+  }
   Eigen::VectorXd sumColumns(const Eigen::VectorXd& by_cell) const;
 
   std::unique_ptr<scene::CompiledScene> compiled_;
-  const solver::SolidProblem<2>* planar_ = nullptr;
-  const solver::SolidProblem<3>* volumetric_ = nullptr;
   int body_, rotation_ = -1;  ///< of the monitors
-  bool heavy_;                ///< the scene has weight, which follows the densities
   double cell_size_ = 0;
   std::array<int, 2> cells_{};
   std::vector<std::array<int, 2>> columns_;  ///< place of each

@@ -1,0 +1,32 @@
+#pragma once
+/// Inertia of a step: E = kappa/2 |y - y~|^2_M, y~ = y0 + h v0. With kappa = 1/h^2 its stationary points are backward
+/// Euler's, with 2/h^2 those of the midpoint family. Nothing in statics.
+
+#include <memory>
+
+#include "snapwing/mpm/mass.h"
+#include "snapwing/solver/term.h"
+
+namespace snapwing::solver {
+
+template <int D>
+class InertiaTerm : public Term {
+ public:
+  /// @param mass    of the solid whose pattern the region was made of
+  /// @param first   coordinate of its first displacement
+  explicit InertiaTerm(std::shared_ptr<const mpm::Mass<D>> mass, int region = 0, int first = 0)
+      : mass_(std::move(mass)), region_(region), first_(first) {}
+
+  std::string name() const override { return "inertia"; }
+  Role role() const override { return Role::INERTIA; }
+  int region() const override { return region_; }
+  void evaluate(const Point& at, Order order, Sum& sum) const override;
+
+  const mpm::Mass<D>& mass() const { return *mass_; }
+
+ private:
+  std::shared_ptr<const mpm::Mass<D>> mass_;
+  int region_, first_;
+};
+
+}  // namespace snapwing::solver

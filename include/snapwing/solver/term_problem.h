@@ -1,0 +1,111 @@
+#pragma once
+/// A problem as a sum of terms on full coordinates: Pi(z; p) = sum of E_k(y(z, p), p).
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snapwing/solver/coordinates.h"
+#include "snapwing/solver/problem.h"
+#include "snapwing/solver/term.h"
+
+namespace snapwing::solver {
+
+/// What a step adds to a point: its data, and what its start is pulled back with. Owned by the stepper.
+struct StepContext {
+  Step step;
+  /// Rotations at the start. If given, the residual is pulled back by the mean of start and end, which keeps angular
+  /// momentum and energy; it is then not the derivative of the potential.
+  std::shared_ptr<const Coordinates::Place> mean_with;
+  double stored_at_start = 0;  ///< [J] of Role::STORED at y0, for a path
+};
+
+class TermProblem : public Problem {
+ public:
+  struct Parts {
+    HessianLayout layout;  ///< with the regions; couples are added by the problem
+    std::shared_ptr<const Coordinates> coordinates;
+    std::vector<std::shared_ptr<const Term>> terms;  ///< added in this order
+    int threads = 1;                                 ///< of assembly
+    double force_floor = 0;                          ///< [N] smallest force that counts
+    double energy_floor = 0;                         ///< [J] as Problem::energyFloor
+  };
+  /// @throws common::Error for sizes that do not fit and couples that do not exist
+  explicit TermProblem(Parts parts);
+
+  int freeCount() const override { return coordinates_->freeCount(); }
+  int controlCount() const override { return coordinates_->controlCount(); }
+  const SparsePattern& pattern() const override { return pull_back_.pattern(); }
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const override {
+    evaluateAt(z, p, nullptr, nullptr, order, out);
+  }
+  /// @param references  of the rotations; null: all 1
+  /// @param step        null: statics
+  void evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references,
+                  const StepContext* step, Order order, Evaluation& out) const;
+  void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
+                      Eigen::VectorXd& control_part) const override;
+  double forceFloor() const override { return parts_.force_floor; }
+  double energyFloor() const override { return parts_.energy_floor; }
+  std::string describeCell(int cell) const override;
+
+  const Coordinates& coordinates() const { return *coordinates_; }
+  std::shared_ptr<const Coordinates> sharedCoordinates() const { return coordinates_; }
+  const std::vector<std::shared_ptr<const Term>>& terms() const { return parts_.terms; }
+  /// The same coordinates and layout with more terms behind its own.
+  std::shared_ptr<const TermProblem> with(const std::vector<std::shared_ptr<const Term>>& more) const;
+  /// d(dPi/dy . v)/d(density) of each cell at an evaluation, dPi/d(density) if v is null. (cells x 1)
+  Eigen::VectorXd densityDerivative(const Evaluation& at, const Eigen::VectorXd* v, int cells) const;
+
+ private:
+  void sumTerms(const Point& at, Order order, Sum& sum) const;
+  void averageStored(const Point& at, const StepContext& context, Order order, Evaluation& out) const;
+
+  Parts parts_;
+  std::shared_ptr<const Coordinates> coordinates_;
+  std::vector<std::vector<int>> couples_;  ///< places per term
+  HessianLayout layout_;                   ///< with the terms' couples
+  HessianPullBack pull_back_;
+};
+
+/// Parts with the elastic energy of solids as the one region and the first term; the coordinates begin with the solids'
+/// displacements.
+template <int D>
+TermProblem::Parts solidParts(std::shared_ptr<const mpm::Discretisation<D>> solid,
+                              std::shared_ptr<const Coordinates> coordinates, int threads, double force_floor);
+
+/// A problem as one step sees it: the same unknowns and pattern, with the step in every term's hand. For Newton's
+/// method.
+class StepProblem : public Problem {
+ public:
+  /// @param references  null: all 1. All are held while the problem lives.
+  StepProblem(std::shared_ptr<const TermProblem> base, std::shared_ptr<const StepContext> step,
+              std::shared_ptr<const References> references)
+      : base_(std::move(base)), step_(std::move(step)), references_(std::move(references)) {}
+
+  /// For the next step: pattern and factors stay good.
+  void setStep(std::shared_ptr<const StepContext> step, std::shared_ptr<const References> references) {
+    step_ = std::move(step);
+    references_ = std::move(references);
+  }
+  int freeCount() const override { return base_->freeCount(); }
+  int controlCount() const override { return base_->controlCount(); }
+  const SparsePattern& pattern() const override { return base_->pattern(); }
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const override {
+    base_->evaluateAt(z, p, references_.get(), step_.get(), order, out);
+  }
+  void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
+                      Eigen::VectorXd& control_part) const override {
+    base_->controlTangent(at, dp, free_part, control_part);
+  }
+  double forceFloor() const override { return base_->forceFloor(); }
+  double energyFloor() const override { return base_->energyFloor(); }
+  std::string describeCell(int cell) const override { return base_->describeCell(cell); }
+
+ private:
+  std::shared_ptr<const TermProblem> base_;
+  std::shared_ptr<const StepContext> step_;
+  std::shared_ptr<const References> references_;
+};
+
+}  // namespace snapwing::solver

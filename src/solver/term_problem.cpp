@@ -1,0 +1,155 @@
+#include "snapwing/solver/term_problem.h"
+
+#include "snapwing/common/error.h"
+#include "snapwing/solver/elastic_term.h"
+
+namespace snapwing::solver {
+
+namespace {
+
+HessianLayout withCouples(HessianLayout layout, const std::vector<std::shared_ptr<const Term>>& terms,
+                          std::vector<std::vector<int>>& places) {
+  for (const auto& term : terms) {
+    if (term->region() >= layout.regionCount()) {
+      throw common::Error("term '" + term->name() + "' writes to region " + std::to_string(term->region()) +
+                          "; allowed: -1 (none) .. " + std::to_string(layout.regionCount() - 1));
+    }
+    std::vector<int>& own = places.emplace_back();
+    for (const std::vector<int>& couple : term->couples()) own.push_back(layout.addCouple(couple));
+  }
+  return layout;
+}
+
+}  // namespace
+
+TermProblem::TermProblem(Parts parts)
+    : parts_(std::move(parts)),
+      coordinates_(parts_.coordinates),
+      layout_(withCouples(parts_.layout, parts_.terms, couples_)),
+      pull_back_(coordinates_, layout_) {
+  if (layout_.fullCount() != coordinates_->fullCount()) {
+    throw common::Error("the layout has " + std::to_string(layout_.fullCount()) + " coordinates; allowed: " +
+                        std::to_string(coordinates_->fullCount()) + ", as the problem's coordinates");
+  }
+}
+
+void TermProblem::sumTerms(const Point& at, Order order, Sum& sum) const {
+  for (std::size_t k = 0; k < parts_.terms.size(); ++k) {
+    const Term& term = *parts_.terms[k];
+    if (at.step != nullptr && !at.step->path.empty() && term.role() == Term::Role::STORED) continue;
+    sum.couples = &couples_[k];
+    term.evaluate(at, order, sum);
+  }
+}
+
+/// Sum over the path's points of w (E(y0 + s d) - E(y0)) / s, whose slope is w g and whose second derivative w s H.
+void TermProblem::averageStored(const Point& at, const StepContext& context, Order order, Evaluation& out) const {
+  Sum& sum = out.sum;
+  out.along.resize(1);
+  Sum& along = out.along.front();
+  const Eigen::VectorXd d = at.y - at.step->y0;
+  for (const auto& [share, weight] : at.step->path) {
+    const Eigen::VectorXd y = at.step->y0 + share * d;
+    along.reset(layout_, controlCount(), order);
+    for (std::size_t k = 0; k < parts_.terms.size(); ++k) {
+      if (parts_.terms[k]->role() != Term::Role::STORED) continue;
+      along.couples = &couples_[k];
+      parts_.terms[k]->evaluate({y, at.p, at.step, at.threads}, order, along);
+    }
+    const double energy = weight * (along.stored - context.stored_at_start) / share;
+    sum.energy += energy;
+    sum.stored += energy;
+    sum.noteForce(along.force);
+    sum.finite = sum.finite && along.finite;
+    if (along.min_det_f < sum.min_det_f) {
+      sum.min_det_f = along.min_det_f;
+      sum.min_det_f_cell = along.min_det_f_cell;
+      sum.worst = along.worst;
+    }
+    if (order == Order::ENERGY || !along.finite) continue;
+    sum.gradient += weight * along.gradient;
+    sum.control += weight * along.control;
+    if (!elasticity::withTangent(order)) continue;
+    for (std::size_t k = 0; k < sum.hessian.size(); ++k) sum.hessian[k] += weight * share * along.hessian[k];
+  }
+}
+
+void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references,
+                             const StepContext* context, Order order, Evaluation& out) const {
+  coordinates_->at(z, p, references, out.place);
+  const Step* step = context != nullptr ? &context->step : nullptr;
+  const Point point{out.place.y, p, step, parts_.threads};
+  out.control = p;
+  out.step = step;
+  Sum& sum = out.sum;
+  sum.reset(layout_, controlCount(), order);
+  if (step != nullptr && !step->path.empty()) averageStored(point, *context, order, out);
+  sumTerms(point, order, sum);
+  out.finite = sum.finite;
+  out.energy = sum.energy;
+  out.elastic_energy = sum.stored;
+  out.force_scale = sum.force;
+  out.min_det_f = sum.min_det_f;
+  out.min_det_f_cell = sum.min_det_f_cell;
+  if (order == Order::ENERGY || !out.finite) return;
+  const bool mean = context != nullptr && context->mean_with != nullptr;
+  out.potential = !mean || coordinates_->rotationCount() == 0;
+  out.residual = mean ? coordinates_->pullBackMean(*context->mean_with, out.place, sum.gradient)
+                      : coordinates_->pullBack(out.place, sum.gradient);
+  out.control_force = coordinates_->toControls(sum.gradient);
+  out.control_force += sum.control;
+  if (!elasticity::withTangent(order)) return;
+  pull_back_.apply(sum.hessian, out.place, sum.gradient, order == Order::PROJECTED, out.hessian);
+}
+
+void TermProblem::controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
+                                 Eigen::VectorXd& control_part) const {
+  const Eigen::VectorXd dy = coordinates_->push(at.place, Eigen::VectorXd::Zero(freeCount()), dp);
+  Eigen::VectorXd by_y = layout_.multiply(at.sum.hessian, dy);
+  Eigen::VectorXd by_p = Eigen::VectorXd::Zero(controlCount());
+  for (const auto& term : parts_.terms) {
+    term->controlTangent({at.place.y, at.control, at.step, parts_.threads}, dy, dp, by_y, by_p);
+  }
+  free_part = coordinates_->pullBack(at.place, by_y);
+  control_part = coordinates_->toControls(by_y);
+  control_part += by_p;
+}
+
+std::string TermProblem::describeCell(int cell) const {
+  if (cell < 0) return "no cell";
+  for (const auto& term : parts_.terms) {
+    if (term->region() >= 0 && term->role() == Term::Role::STORED) return term->describe(cell);
+  }
+  return "place " + std::to_string(cell);
+}
+
+std::shared_ptr<const TermProblem> TermProblem::with(const std::vector<std::shared_ptr<const Term>>& more) const {
+  Parts parts = parts_;
+  parts.terms.insert(parts.terms.end(), more.begin(), more.end());
+  return std::make_shared<const TermProblem>(std::move(parts));
+}
+
+Eigen::VectorXd TermProblem::densityDerivative(const Evaluation& at, const Eigen::VectorXd* v, int cells) const {
+  Eigen::VectorXd by_cell = Eigen::VectorXd::Zero(cells);
+  for (const auto& term : parts_.terms) {
+    term->densityDerivative({at.place.y, at.control, at.step, parts_.threads}, v, by_cell);
+  }
+  return by_cell;
+}
+
+template <int D>
+TermProblem::Parts solidParts(std::shared_ptr<const mpm::Discretisation<D>> solid,
+                              std::shared_ptr<const Coordinates> coordinates, int threads, double force_floor) {
+  HessianLayout layout(coordinates->fullCount());
+  layout.addRegion(0, solid->pattern());
+  TermProblem::Parts parts{std::move(layout), std::move(coordinates), {}, threads, force_floor, 0};
+  parts.terms.push_back(std::make_shared<const ElasticTerm<D>>(std::move(solid)));
+  return parts;
+}
+
+template TermProblem::Parts solidParts(std::shared_ptr<const mpm::Discretisation<2>>,
+                                       std::shared_ptr<const Coordinates>, int, double);
+template TermProblem::Parts solidParts(std::shared_ptr<const mpm::Discretisation<3>>,
+                                       std::shared_ptr<const Coordinates>, int, double);
+
+}  // namespace snapwing::solver
