@@ -22,6 +22,7 @@
 #include <thread>
 #include <vector>
 
+#include "snapwing/common/error.h"
 #include "snapwing/link/realtime.h"
 #include "snapwing/ros/imu_relay.h"
 #include "snapwing/ros/link_diagnostics.h"
