@@ -335,7 +335,7 @@ def parse_options(arguments):
     parser.add_argument("--kill-bridge", default="none", choices=("none", "F", "Q"),
                         help="kill radio_bridge in the middle of the pulse that starts in this mode (a test of the "
                              "failsafe; needs its process id in FOLDER/radio_bridge.pid)")
-    for name, default, text in (("ready-timeout", 30.0, "all nodes must be there by then"),
+    for name, default, text in (("ready-timeout", 120.0, "all nodes must be there by then"),
                                 ("arm-timeout", 20.0, "for arming, boot grace included"),
                                 ("plan-timeout", 60.0, "silence of the planner while it plans"),
                                 ("switch-timeout", 20.0, "silence of the planner while it switches"),

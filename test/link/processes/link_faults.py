@@ -9,7 +9,7 @@ import struct
 import subprocess
 import time
 
-from link_bench import IDLE, Bench, NotBegun, be_firm, free_port, wait_for, wait_for_start
+from link_bench import IDLE, START, Bench, NotBegun, be_firm, free_port, wait_for, wait_for_start
 from relays import LcmRelay, SerialRelay
 
 NEVER = 99.0
@@ -384,20 +384,27 @@ class CpuStarved(Lasting):
         super().close()
 
 
-def play_lcm_log(path, url):
-    """What lcm-logplayer does, on the loopback interface; lcm-logplayer itself needs a route for multicast there."""
-    group, port = url.removeprefix("udpm://").split("?")[0].split(":")
-    with open(path, "rb") as log, contextlib.closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as out:
-        out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
-        out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
-        first, begin = None, time.monotonic()
+def read_lcm_log(path):
+    """@return list of (time [us], channel, message)"""
+    messages = []
+    with open(path, "rb") as log:
         while head := log.read(28):
             sync, _, stamp, channel_size, size = struct.unpack(">IqqII", head)
             if sync != 0xEDA1DA01:
                 raise AssertionError(f"not an LCM log: {path}")
-            channel, data = log.read(channel_size), log.read(size)
-            first = stamp if first is None else first
-            time.sleep(max(0.0, begin + 1e-6 * (stamp - first) - time.monotonic()))
+            messages.append((stamp, log.read(channel_size), log.read(size)))
+    return messages
+
+
+def play_messages(messages, url):
+    """What lcm-logplayer does, on the loopback interface; lcm-logplayer itself needs a route for multicast there."""
+    group, port = url.removeprefix("udpm://").split("?")[0].split(":")
+    with contextlib.closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as out:
+        out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        begin = time.monotonic()
+        for stamp, channel, data in messages:
+            time.sleep(max(0.0, begin + 1e-6 * (stamp - messages[0][0]) - time.monotonic()))
             out.sendto(b"LC02" + bytes(4) + channel + b"\0" + data, (group, int(port)))
 
 
@@ -411,12 +418,17 @@ class LogReplayed(Lasting):
         log = os.path.join(bench.home.name, "log")
         logger = subprocess.Popen(["lcm-logger", "--quiet", "--force", "--lcm-url=" + bench.url, log], stdout=subprocess.DEVNULL,
                                   stderr=subprocess.DEVNULL)
+        wait_for_start(lambda: os.path.exists(log), "the recorder")
         time.sleep(0.3)
         bench.arm(timeout=20)
         bench.pulse(1.0, 0.3)
         time.sleep(0.4)
         logger.send_signal(signal.SIGINT)
-        logger.wait(5)
+        logger.wait(START)
+        recorded = read_lcm_log(log)
+        commands = [channel for _, channel, _ in recorded if channel in (b"SNAPWING_PULSE", b"SNAPWING_HEARTBEAT")]
+        if b"SNAPWING_PULSE" not in commands or len(commands) < 25:
+            raise NotBegun(f"the recorder came late: {len(commands)} commands")
         new_session = self.rng.random() < 0.5 if self.new_session is None else self.new_session
         if new_session:
             bench.bridge.kill()
@@ -424,7 +436,7 @@ class LogReplayed(Lasting):
             wait_for_start(lambda: bench.fresh().get("state") == "idle", "a new bridge is there")
         since = time.monotonic()
         before = bench.status()
-        play_lcm_log(log, bench.url)
+        play_messages(recorded, bench.url)
         time.sleep(0.2)
         after = bench.status()
         if after["refused"] < before["refused"] + 20:
