@@ -128,7 +128,7 @@ const char* const END_LOAD_3 = "loads:\n  - {name: end, body: block, region: {x:
 /// The same in a step in time, with a rotation that goes on from a reference; and the inertia is that of the masses.
 TEST(Rigid, StepsHaveTheirTangentAtFiniteRotation) {
   for (const int dimension : {2, 3}) {
-    const Scene scene = sceneFromText(stripAndBlock(dimension, "linear", ""));
+    const Scene scene = sceneFromText(stripAndBlock(dimension, "linear", dimension == 2 ? END_LOAD_2 : END_LOAD_3));
     const auto compiled = compileScene(scene, 1);
     const auto problem = compiled->sharedTerms()->with({compiled->inertia(mpm::MassKind::CONSISTENT)});
     const solver::Coordinates& coordinates = problem->coordinates();
