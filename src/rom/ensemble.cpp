@@ -37,6 +37,8 @@ struct Ensemble::Data {
 
   Data(const VehicleCurves& of, const vehicle::Radio& with, const EnsembleSettings& s);
   const BranchTable& branchesOf(bool wings) const;
+  EnsembleOutcome askAgain(int vehicle, vehicle::Mode start, double throttle, const std::vector<double>& durations,
+                           const vehicle::Trial& trial) const;
   EnsembleScene sceneOf(vehicle::Mode start, const std::vector<double>& durations, const vehicle::Trial& trial) const;
 };
 
@@ -142,6 +144,17 @@ EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const std::vector<dou
   return scene;
 }
 
+EnsembleOutcome Ensemble::Data::askAgain(int vehicle, vehicle::Mode start, double throttle,
+                                         const std::vector<double>& durations, const vehicle::Trial& trial) const {
+  LumpedSettings s;
+  s.step = std::min(settings.step, 1e-3);
+  s.friction_speed = settings.friction_speed;
+  s.settled_share = settings.settled_share;
+  const SnapPrediction told =
+      curves.model(radio, vehicles[vehicle], s).predict(start, {throttle, durations[vehicle]}, radio, trial);
+  return {told.energy_margin, told.peak_travel, told.snapped};
+}
+
 std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throttle,
                                                const std::vector<double>& durations, const vehicle::Trial& trial,
                                                int first, int count) const {
@@ -167,7 +180,11 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throt
     EnsembleResult result;
     run(scene, block, &result);
     for (int l = 0; l < LANES && begin + l < count; ++l) {
-      outcomes[begin + l] = {result.margin.lane[l], result.peak_travel.lane[l], result.snapped.lane[l] != 0};
+      EnsembleOutcome& out = outcomes[begin + l];
+      out = {result.margin.lane[l], result.peak_travel.lane[l], result.snapped.lane[l] != 0};
+      // Not settled, or no number: a violent trial far beyond the table. The implicit integrator is asked.
+      const bool lost = !std::isfinite(out.energy_margin) || !std::isfinite(out.peak_travel);
+      if (lost || out.energy_margin == -1.0) out = d.askAgain(first + begin + l, start, throttle, durations, trial);
     }
   }
   return outcomes;

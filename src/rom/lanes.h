@@ -121,12 +121,13 @@ SNAPWING_LANES Real pick(const double* base, const Index& at) {
   }
   return r;
 }
-/// Whole part of a number in [0, 2^31), at most `largest`.
+/// Whole part of a number, kept within 0 .. `largest`: what is no number must not read beyond a table.
 SNAPWING_LANES Index whole(const Real& a, int largest) {
   Index r;
   SNAPWING_EACH {
     const IndexPart cut = __builtin_convertvector(a.part[i], IndexPart);
-    r.part[i] = cut < largest ? cut : largest - IndexPart{};
+    const IndexPart capped = cut < largest ? cut : largest - IndexPart{};
+    r.part[i] = capped > 0 ? capped : IndexPart{};
   }
   return r;
 }

@@ -115,6 +115,25 @@ TEST(Ensemble, DoesNotCareWhoIsBesideIt) {
   EXPECT_EQ(all[10].energy_margin, last[1].energy_margin);
 }
 
+TEST(Ensemble, AViolentTrialIsAskedAgainOfTheLumpedModel) {
+  // A light vehicle with strong motors, found in a box of one and a half times the shipped widths.
+  Shipped s(0);
+  vehicle::VehicleParameters p = vehicle::realise(s.vehicle, s.table);
+  p.ring_mass = 0.348283, p.centre_mass = 0.44166, p.force_scale = 0.889844, p.damping = 1.97787;
+  p.max_thrust = 36.5387, p.time_constant_up = 0.035293, p.time_constant_down = 0.0392773;
+  p.quadratic_share = 0.781836, p.latency = 0.0356445, p.ring_drag = 0.0279851, p.centre_drag = 0.0022983;
+  p.boom_mass = 0.0890583, p.boom_drag = 0.00466944, p.boom_friction = 0.0591797;
+  s.drawn.push_back(p);
+  vehicle::Trial trial;
+  trial.mount = vehicle::Mount::BOOM;
+  const rom::SnapPrediction truth = s.curves.model(s.vehicle.radio, p).predict(Q, {1.0, 0.785}, s.vehicle.radio, trial);
+  ASSERT_TRUE(truth.snapped);
+  const auto told = s.ensemble(1e-3).predict(Q, 1.0, {0.785}, trial, 0, 1);
+  EXPECT_TRUE(told[0].snapped);
+  EXPECT_NEAR(told[0].energy_margin, truth.energy_margin, 0.1);
+  EXPECT_NEAR(told[0].peak_travel, truth.peak_travel, 2e-4);
+}
+
 TEST(Ensemble, RefusesByName) {
   const Shipped s(2);
   const rom::Ensemble ensemble = s.ensemble();
