@@ -30,7 +30,8 @@ class Examples(unittest.TestCase):
             run("cmake", "--install", BUILD, "--prefix", prefix)
             shutil.copytree(EXAMPLES, source)
             environment = {name: value for name, value in os.environ.items() if name != "CMAKE_PREFIX_PATH"}
-            run("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", env=environment)
+            run("cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", "-DPYTHON_EXECUTABLE=/usr/bin/python3",
+                env=environment)
             run("cmake", "--build", build, "-j2", env=environment)
             self.assertTrue((build / "design_mechanism").exists())
             (share,) = prefix.glob("**/share/snapwing/config")
