@@ -7,7 +7,6 @@
 
 #include "ensemble_run.h"
 #include "snapwing/common/error.h"
-#include "snapwing/common/parallel.h"
 
 namespace snapwing::rom {
 
@@ -182,9 +181,9 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throt
     for (int l = 0; l < LANES && begin + l < count; ++l) {
       EnsembleOutcome& out = outcomes[begin + l];
       out = {result.margin.lane[l], result.peak_travel.lane[l], result.snapped.lane[l] != 0};
-      // Not settled, or no number: a violent trial far beyond the table. The implicit integrator is asked.
+      // No number: too violent for explicit steps. The implicit integrator is asked.
       const bool lost = !std::isfinite(out.energy_margin) || !std::isfinite(out.peak_travel);
-      if (lost || out.energy_margin == -1.0) out = d.askAgain(first + begin + l, start, throttle, durations, trial);
+      if (lost) out = d.askAgain(first + begin + l, start, throttle, durations, trial);
     }
   }
   return outcomes;

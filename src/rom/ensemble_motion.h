@@ -55,7 +55,7 @@ static inline Beyond beyond(const CurvesView& c, Real u, const Place& p) {
   const Mask low = b.by < 0.0;
   b.force = select(low, Real(c.at_low.force), Real(c.at_high.force));
   b.stiffness = select(low, Real(c.at_low.stiffness), Real(c.at_high.stiffness));
-  b.growth = select(low, Real(-c.growth_low), Real(c.growth_high));
+  b.growth = select(low, Real(c.growth_low), Real(c.growth_high));
   return b;
 }
 

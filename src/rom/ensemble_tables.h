@@ -21,7 +21,7 @@ struct UniformCurves {
   std::vector<double> force;        ///< of force scale 1
   std::vector<double> arms, wings;  ///< rows of inertia; empty: weightless arms, no wings; scales 1
   PotentialSample at_low, at_high;
-  double growth_low = 0, growth_high = 0;  ///< [N/m2] of the stiffness beyond the grid
+  double growth_low = 0, growth_high = 0;  ///< [N/m2] slope of the stiffness beyond the grid: below 0, above 0
 
   /// @param arms, wings  nullptr: none
   UniformCurves(const Potential& potential, double table_low, double table_high, const TravelInertia* arms,
