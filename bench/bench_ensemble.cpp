@@ -68,7 +68,7 @@ Margins byLumped(const rom::VehicleCurves& curves, const vehicle::Vehicle& vehic
 Margins byEnsemble(const rom::VehicleCurves& curves, const vehicle::Vehicle& vehicle, const Vehicles& drawn,
                    const Case& c, const vehicle::Trial& trial, double step) {
   rom::EnsembleSettings settings;
-  settings.step = step;
+  settings.model.step = step;
   rom::Ensemble ensemble(curves, vehicle.radio, settings);
   std::vector<double> durations;
   for (std::size_t i = 0; i < drawn.parameters.size(); ++i) {
@@ -105,7 +105,7 @@ void compare(const char* name, const Margins& tried, const Margins& truth) {
 
 int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 512;
-  const double step = argc > 2 ? 1e-3 * std::atof(argv[2]) : rom::EnsembleSettings().step;
+  const double step = argc > 2 ? 1e-3 * std::atof(argv[2]) : rom::EnsembleSettings().model.step;
   const auto vehicle = vehicle::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto table = vehicle::armTableOf(vehicle);
   const rom::VehicleCurves curves(table, vehicle::wingTableOf(vehicle, table));

@@ -7,27 +7,38 @@
 
 namespace snapwing::planning {
 
+namespace {
+
+rom::LumpedSettings withStep(rom::LumpedSettings settings, double step) {
+  settings.step = step;
+  return settings;
+}
+
+}  // namespace
+
 Fleet::Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
              const PlannerSettings& settings, double step)
     : vehicle_(vehicle),
       table_(table),
       curves_(curves),
       settings_(settings),
-      model_settings_(settings.model),
-      ensemble_(curves, vehicle.radio, {step, settings.model.friction_speed, settings.model.settled_share}) {
-  model_settings_.step = step;
-}
+      model_settings_(withStep(settings.model, step)),
+      ensemble_(curves, vehicle.radio, {model_settings_}) {}
 
 void Fleet::add(const BoxPoint& point) {
   const BoxPoint parameters(point.begin(), point.end() - 1);
   const vehicle::VehicleParameters p = vehicle::realise(vehicle_, table_, parameters);
-  models_.push_back(curves_.model(vehicle_.radio, p, model_settings_));
+  parameters_.push_back(p);
   ensemble_.add(p);
   points_.push_back(point);
 }
 
 void Fleet::add(const std::vector<BoxPoint>& points) {
   for (const BoxPoint& point : points) add(point);
+}
+
+rom::LumpedModel Fleet::model(int index) const {
+  return curves_.model(vehicle_.radio, parameters_[index], model_settings_);
 }
 
 vehicle::Pulse Fleet::received(int index, const vehicle::Pulse& pulse) const {
@@ -37,7 +48,7 @@ vehicle::Pulse Fleet::received(int index, const vehicle::Pulse& pulse) const {
 
 rom::SnapPrediction Fleet::predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,
                                    const vehicle::Trial& trial) const {
-  return models_[index].predict(start, received(index, pulse), vehicle_.radio, trial);
+  return model(index).predict(start, received(index, pulse), vehicle_.radio, trial);
 }
 
 double Fleet::margin(double energy_margin, double peak_travel) const {

@@ -35,9 +35,9 @@ class Fleet {
   void add(const BoxPoint& point);
   void add(const std::vector<BoxPoint>& points);
 
-  int size() const { return static_cast<int>(models_.size()); }
+  int size() const { return static_cast<int>(points_.size()); }
   const BoxPoint& point(int index) const { return points_[index]; }
-  const rom::LumpedModel& model(int index) const { return models_[index]; }
+  rom::LumpedModel model(int index) const;
   const std::vector<BoxPoint>& points() const { return points_; }
 
   /// The pulse as this vehicle's motors see it.
@@ -60,7 +60,7 @@ class Fleet {
   rom::LumpedSettings model_settings_;
   rom::Ensemble ensemble_;
   std::vector<BoxPoint> points_;
-  std::vector<rom::LumpedModel> models_;
+  std::vector<vehicle::VehicleParameters> parameters_;
 };
 
 }  // namespace snapwing::planning

@@ -18,12 +18,6 @@ void require(bool good, const std::string& name, double value, const char* allow
 
 }  // namespace
 
-void EnsembleSettings::validate() const {
-  require(step > 0 && step <= 0.01, "step", step, "above 0, up to 0.01 s");
-  require(friction_speed > 0, "friction_speed", friction_speed, "above 0 m/s");
-  require(settled_share > 0 && settled_share < 1, "settled_share", settled_share, "between 0 and 1");
-}
-
 struct Ensemble::Data {
   const VehicleCurves& curves;
   vehicle::Radio radio;
@@ -59,7 +53,7 @@ Ensemble::Data::Data(const VehicleCurves& of, const vehicle::Radio& with, const 
     : curves(of), radio(with), settings(s), grid(gridOf(of)) {}
 
 Ensemble::Ensemble(const VehicleCurves& curves, const vehicle::Radio& radio, const EnsembleSettings& settings) {
-  settings.validate();
+  settings.model.validate();
   if (!curves.spline().equilibria().bistable) {
     throw common::Error("the force curve is not bistable: there is no second mode");
   }
@@ -122,7 +116,7 @@ const BranchTable& Ensemble::Data::branchesOf(bool wings) const {
 
 EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const std::vector<double>& durations,
                                       const vehicle::Trial& trial) const {
-  const bool wings = curves.wing() && trial.wings.value_or(trial.mount != vehicle::Mount::BOOM);
+  const bool wings = wingsAct(trial, curves.wing() != nullptr);
   EnsembleScene scene{grid.view(), branchesOf(wings).view(), curves.spline().equilibria(), start};
   scene.held = trial.mount == vehicle::Mount::HELD;
   scene.on_boom = trial.mount == vehicle::Mount::BOOM;
@@ -132,23 +126,21 @@ EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const std::vector<dou
   scene.push = trial.push;
   scene.initial_speed = trial.initial_speed;
   scene.horizon = trial.horizon;
-  scene.friction_speed = settings.friction_speed;
-  scene.settled_share = settings.settled_share;
+  scene.friction_speed = settings.model.friction_speed;
+  scene.settled_share = settings.model.settled_share;
   double lengths[3] = {0, 0, trial.horizon};
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     lengths[0] = std::max(lengths[0], vehicles[i].latency);
     lengths[1] = std::max(lengths[1], durations[i]);
   }
-  for (int k = 0; k < 3; ++k) scene.steps[k] = static_cast<int>(std::ceil(lengths[k] / settings.step - 1e-9));
+  for (int k = 0; k < 3; ++k) scene.steps[k] = static_cast<int>(std::ceil(lengths[k] / settings.model.step - 1e-9));
   return scene;
 }
 
 EnsembleOutcome Ensemble::Data::askAgain(int vehicle, vehicle::Mode start, double throttle,
                                          const std::vector<double>& durations, const vehicle::Trial& trial) const {
-  LumpedSettings s;
-  s.step = std::min(settings.step, 1e-3);
-  s.friction_speed = settings.friction_speed;
-  s.settled_share = settings.settled_share;
+  LumpedSettings s = settings.model;
+  s.step = std::min(s.step, 1e-3);
   const SnapPrediction told =
       curves.model(radio, vehicles[vehicle], s).predict(start, {throttle, durations[vehicle]}, radio, trial);
   return {told.energy_margin, told.peak_travel, told.snapped};
@@ -164,9 +156,6 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throt
   require(durations.size() == d.vehicles.size(), "number of durations", durations.size(), "one per vehicle");
   require(first >= 0 && count >= 0 && first + count <= size(), "end of the range", first + count, "up to the size");
   for (const double duration : durations) require(duration >= 0 && duration <= 60, "duration", duration, "0 .. 60 s");
-  if (trial.wings.value_or(false) && !d.curves.wing()) {
-    throw common::Error("trial: wings are on, but the vehicle has none; allowed: a vehicle file with the key 'wing'");
-  }
   const EnsembleScene scene = d.sceneOf(start, durations, trial);
   std::vector<EnsembleOutcome> outcomes(count);
   const RunBlock run = d.settings.vectors == Vectors::PLAIN ? runBlockPlain : widestRunBlock();

@@ -1,4 +1,4 @@
-// The trial of eight vehicles with the vectors of what every processor has.
+// The trial of eight vehicles with vectors that every processor has.
 #include <cmath>
 
 #include "ensemble_run.h"

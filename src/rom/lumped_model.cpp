@@ -68,12 +68,14 @@ double LumpedModel::thrustFraction(const vehicle::Radio& radio, double throttle)
   return vehicle::thrustFraction(parameters_.quadratic_share, vehicle::motorOutput(radio, throttle));
 }
 
-bool LumpedModel::wingsAct(const vehicle::Trial& trial) const {
-  if (trial.wings.value_or(false) && !winged_) {
+bool wingsAct(const vehicle::Trial& trial, bool has_wings) {
+  if (trial.wings.value_or(false) && !has_wings) {
     throw common::Error("trial: wings are on, but the vehicle has none; allowed: a vehicle file with the key 'wing'");
   }
-  return winged_ && trial.wings.value_or(trial.mount != vehicle::Mount::BOOM);
+  return has_wings && trial.wings.value_or(trial.mount != vehicle::Mount::BOOM);
 }
+
+bool LumpedModel::wingsAct(const vehicle::Trial& trial) const { return rom::wingsAct(trial, winged_ != nullptr); }
 
 const TravelInertia* LumpedModel::inertiaOf(const vehicle::Trial& trial) const {
   return wingsAct(trial) ? winged_.get() : arms_.get();

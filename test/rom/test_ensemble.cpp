@@ -31,7 +31,7 @@ struct Shipped {
   }
   rom::Ensemble ensemble(double step = 2e-3, rom::Vectors vectors = rom::Vectors::WIDEST) const {
     rom::EnsembleSettings settings;
-    settings.step = step;
+    settings.model.step = step;
     settings.vectors = vectors;
     rom::Ensemble e(curves, vehicle.radio, settings);
     for (const auto& p : drawn) e.add(p);
@@ -146,7 +146,7 @@ TEST(Ensemble, RefusesByName) {
   EXPECT_THROW(ensemble.predict(F, 0.5, {0.1, -0.1}, trial, 0, 2), common::Error);
   EXPECT_THROW(ensemble.predict(F, 0.5, {0.1, 0.1}, trial, 1, 2), common::Error);
   rom::EnsembleSettings settings;
-  settings.step = 0.02;
+  settings.model.step = 0.02;
   EXPECT_THROW(rom::Ensemble(s.curves, s.vehicle.radio, settings), common::Error);
 }
 

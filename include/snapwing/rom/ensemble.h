@@ -19,12 +19,8 @@ namespace snapwing::rom {
 enum class Vectors { WIDEST, PLAIN };
 
 struct EnsembleSettings {
-  double step = 4e-3;            ///< [s] largest step, (0, 0.01]
-  double friction_speed = 0.02;  ///< [m/s] as in LumpedSettings
-  double settled_share = 0.02;   ///< as in LumpedSettings
+  LumpedSettings model{4e-3};  ///< of the same meaning; `convergence` has none here
   Vectors vectors = Vectors::WIDEST;
-  /// @throws common::Error naming the member
-  void validate() const;
 };
 
 /// What a pulse does to one vehicle; the members mean what they mean in SnapPrediction.

@@ -53,6 +53,10 @@ struct ThrustDemand {
   double fraction = 0;  ///< [1] steady thrust / full thrust
 };
 
+/// Wings act in this trial: where they are and not left out, but not on a boom unless the trial says so.
+/// @throws common::Error if the trial asks for wings and there are none
+bool wingsAct(const vehicle::Trial& trial, bool has_wings);
+
 /// Called after each step. @return false to stop
 using LumpedObserver = std::function<bool(const LumpedState&)>;
 
