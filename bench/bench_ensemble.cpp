@@ -1,5 +1,5 @@
-// The ensemble against the lumped model: error of the margins and microseconds a prediction, the table of
-// docs/speed.md. usage: bench_ensemble [COUNT [STEP_MS]]
+// The ensemble against the lumped model, as tables: error of the margins and microseconds a prediction.
+// usage: bench_ensemble [COUNT [STEP_MS]]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

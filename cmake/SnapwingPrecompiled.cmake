@@ -1,6 +1,6 @@
 # Precompiled headers: parsing Eigen, the standard library, googletest and roscpp is half of the work of most sources.
 # Each holder compiles its header once; targets of the same kind take it over with snapwing_precompile(target kind).
-# A source must still include what it uses: scripts/check_all builds once with SNAPWING_PCH=OFF.
+# A source must still include what it uses: -DSNAPWING_PCH=OFF builds without.
 option(SNAPWING_PCH "Use precompiled headers" ON)
 
 set(SNAPWING_PCH_STANDARD <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <limits> <map> <memory>
