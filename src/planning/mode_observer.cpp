@@ -28,6 +28,7 @@ void require(const char* name, double value, double low, double high) {
 void ObserverSettings::validate() const {
   require("input_delay", input_delay, 0.0, 0.5);
   require("link_timeout", link_timeout, 0.1, 5.0);
+  require("frame_delay", frame_delay, 0.0, 0.2);
   require("silence", silence, 0.05, 1.0);
   require("stale", stale, 0.5, 10.0);
   require("burst_spacing", burst_spacing, 1e-3, 0.1);

@@ -6,6 +6,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/planning/mode_observer.h"
+#include "snapwing/standin/standin_controller.h"
 #include "support/example_table.h"
 #include "support/paths.h"
 
@@ -290,6 +291,40 @@ TEST_F(ObserverTest, RefusesBadSettings) {
   settings = {};
   settings.most_behind = 0.1;  // less than hurry
   EXPECT_THROW(ModeObserver(makeEstimator(), settings), common::Error);
+}
+
+/// [s] from a frame with full throttle to half of it at the motors of the stand-in.
+double halfOfAnEdge() {
+  standin::StandinSettings settings;
+  settings.boot_grace = 0.1;
+  standin::StandinController controller(settings, 0.0);
+  link::Channels channels = link::safeChannels();
+  double now = 0;
+  const auto stream = [&](int throttle, int aux1, double seconds) {
+    channels.us[link::THROTTLE] = static_cast<std::uint16_t>(throttle);
+    channels.us[link::AUX1] = static_cast<std::uint16_t>(aux1);
+    for (const double end = now + seconds - 1e-9; now < end;) {
+      controller.onFrame(channels, now);
+      for (int i = 0; i < 200; ++i) controller.step(now += 1e-4);
+    }
+  };
+  stream(1000, 1000, 1.0);
+  stream(1000, 2000, 0.2);
+  EXPECT_TRUE(controller.armed());
+  channels.us[link::THROTTLE] = 2000;
+  const double begin = now;
+  controller.onFrame(channels, now);
+  while (controller.motorMicroseconds() < 1535 && now < begin + 0.1) controller.step(now += 1e-4);
+  return now - begin;
+}
+
+TEST(ObserverSettings, BelievedDelayCoversTheStandIn) {
+  constexpr double MSP_TURN = 0.0104;    // [s] until the controller serves a frame, at most (docs/safety.md)
+  constexpr double STATUS_LATE = 0.005;  // [s] by which the status may be later than its frame
+  const double half = halfOfAnEdge(), earliest = ObserverSettings().frame_delay;
+  EXPECT_GT(half, 0.008);
+  EXPECT_LE(earliest, half - STATUS_LATE);
+  EXPECT_GE(earliest + EstimatorSettings().output_delay, half + MSP_TURN);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ def require(condition, what, output):
 
 
 def check_flight(folder, program):
-    subprocess.run([program, "vehicle", "new", "own vehicle/vehicle.yaml", "--without", "wing"], cwd=folder, check=True)
+    subprocess.run([program, "vehicle", "new", "own vehicle/vehicle.yaml", "--without", "wing,boom"], cwd=folder, check=True)
     code, output = roslaunch(folder, vehicle_file="own vehicle/vehicle.yaml", output_dir="Demo Folder")
     results = folder / "Demo Folder"
     require(code == 0, f"exit code {code}", output)

@@ -27,8 +27,12 @@
 namespace snapwing::planning {
 
 struct ObserverSettings {
-  double input_delay = 0.06;    ///< [s] 0 .. 0.5, inputs are put in order of their stamps within this time
-  double link_timeout = 0.3;    ///< [s] 0.1 .. 5
+  double input_delay = 0.06;  ///< [s] 0 .. 0.5, inputs are put in order of their stamps within this time
+  double link_timeout = 0.3;  ///< [s] 0.1 .. 5
+  /// [s] 0 .. 0.2 from the link status that tells of a frame sent until the motors' output follows, at the earliest; at
+  /// the latest EstimatorSettings::output_delay more. The plan's radio latency is another time: it begins at the
+  /// command.
+  double frame_delay = 0.005;
   double silence = 0.25;        ///< [s] 0.05 .. 1
   double stale = 2.0;           ///< [s] 0.5 .. 10, readings that come later than this are not used
   double burst_spacing = 0.01;  ///< [s] of readings, where more than 16 wait

@@ -72,6 +72,7 @@ WingStateSettings readSettings(Params& params, const vehicle::Vehicle& vehicle, 
   s.observer.stated = initial == "unknown" ? vehicle::Mode::UNKNOWN : vehicle::modeFromName(initial);
   s.observer.input_delay = params.number("input_delay", {0.0, 0.5}, "s");
   s.observer.link_timeout = params.number("link_timeout", {0.1, 5.0}, "s");
+  s.observer.frame_delay = params.number("frame_delay", {0.0, 0.2}, "s");
   s.observer.silence = params.number("silence", {0.05, 1.0}, "s");
   s.observer.least_rate = params.number("least_rate", {0.0, 200.0}, "Hz");
   s.read_back = params.choice("motor_source", {"frames", "read_back"}) == "read_back";
@@ -133,7 +134,7 @@ class WingStateNode {
   void onLink(const LinkStatus& message) {
     const Clocks clocks = Clocks::read();
     link_status_ = message;
-    const double delay = settings_.read_back ? 0 : vehicle_.radio.latency.value;
+    const double delay = settings_.read_back ? 0 : settings_.observer.frame_delay;
     observer_.motors(message.header.stamp.toSec(), motorOutput(message), delay, clocks.now, clocks.steady);
   }
 

@@ -3,22 +3,24 @@ usage: fault_table.py --programs FOLDER --helpers FOLDER [--ros] [--trials 100] 
 [--write FILE]"""
 import argparse
 import concurrent.futures
+import ctypes
 import json
 import multiprocessing
 import os
 import platform
-import subprocess
+import signal
 import sys
 import threading
 import time
 
 import link_faults
 import process_faults
-from link_bench import IDLE, NotBegun, Witness, measure_firmly
+from link_bench import IDLE, NotBegun, Witness, busy_loops, measure_firmly
 
 ALONE = ("Flood", "CpuStarved")  # they are about the whole machine
 SHARE = 10     # trials that one worker does with one set of programs
 PATIENCE = 2   # attempts for each trial wanted
+PR_SET_PDEATHSIG = 1
 
 
 def kinds_of(with_ros):
@@ -27,6 +29,19 @@ def kinds_of(with_ros):
         return kinds
     import ros_faults  # needs a sourced workspace
     return kinds + ros_faults.ALL
+
+
+def end_on_sigterm():
+    """Whatever must be closed is closed on the way out."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+
+
+def begin_worker(parent):
+    """A worker ends, with all its programs, when it is told to or when its parent is gone."""
+    end_on_sigterm()
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != parent:
+        sys.exit(1)
 
 
 def started(kind, programs, seed):
@@ -48,18 +63,23 @@ def run_batch(name, programs, helpers, seed, trials, with_ros):
     def note(moment=0.0, seconds=0.0, highest=0, error="", void=False):
         results.append({"fault": name, "moment": moment, "seconds": seconds, "highest": highest, "error": error, "void": void})
 
-    for attempt in range(PATIENCE * trials):
-        if sum(not result["void"] for result in results) == trials:
-            break
-        begin = time.monotonic()
-        try:
-            fault = fault or started(kind, programs, 1000 * seed + attempt)
-            note(*fault.trial())
-        except Exception as error:  # pylint: disable=broad-except
-            note(begin, time.monotonic() - begin, error=f"{type(error).__name__}: {error}", void=isinstance(error, NotBegun))
-            if fault is not None:
-                fault.close()
-            fault = None
+    try:
+        for attempt in range(PATIENCE * trials):
+            if sum(not result["void"] for result in results) == trials:
+                break
+            begin = time.monotonic()
+            try:
+                fault = fault or started(kind, programs, 1000 * seed + attempt)
+                note(*fault.trial())
+            except Exception as error:  # pylint: disable=broad-except
+                note(begin, time.monotonic() - begin, error=f"{type(error).__name__}: {error}", void=isinstance(error, NotBegun))
+                if fault is not None:
+                    fault.close()
+                fault = None
+    except SystemExit as stop:
+        if fault is not None:
+            fault.close()
+        os._exit(stop.code)  # else the pool would hand it the next task
     if fault is not None:
         fault.close()
     return results
@@ -158,11 +178,26 @@ def notes_on(row):
     yield from row.errors[:3]
 
 
+class Pool(concurrent.futures.ProcessPoolExecutor):
+    """Left by an exception it does not wait for what is still to do, but ends the workers."""
+
+    def __exit__(self, kind, *rest):
+        if kind is None:
+            return super().__exit__(kind, *rest)
+        workers = list((self._processes or {}).values())
+        for worker in workers:
+            worker.terminate()
+        self.shutdown(wait=False, cancel_futures=True)
+        for worker in workers:
+            worker.join(10)
+        return False
+
+
 def run_all(kinds, options, results, witness):
     """What is missing. Faults that are about the whole machine run last, by themselves."""
     context = multiprocessing.get_context("spawn")
     for alone in (False, True):
-        with concurrent.futures.ProcessPoolExecutor(1 if alone else options.jobs, mp_context=context) as pool:
+        with Pool(1 if alone else options.jobs, mp_context=context, initializer=begin_worker, initargs=(os.getpid(),)) as pool:
             tasks = {}
             for seed in range(0, options.trials, SHARE):  # a share of each fault first: what is stopped early has some of all
                 for kind in kinds:
@@ -181,10 +216,6 @@ def run_all(kinds, options, results, witness):
                 print(row.text(), *row.errors[:3], sep="\n    ", flush=True)
 
 
-def busy(count):
-    return [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(count)]
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--programs", required=True)
@@ -198,11 +229,12 @@ def main():
     parser.add_argument("--table-only", action="store_true", help="run nothing, write the table of what --results holds")
     parser.add_argument("--write")
     options = parser.parse_args()
+    end_on_sigterm()
     load = Load()
     kinds = [kind for kind in kinds_of(options.ros) if not options.only or kind.__name__ in options.only]
     results = Results(options.results)
     if not options.table_only:
-        hogs = busy(options.busy * os.cpu_count())
+        hogs = busy_loops(options.busy * os.cpu_count())
         try:
             with Witness() as witness:
                 run_all(kinds, options, results, witness)

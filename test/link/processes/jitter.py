@@ -4,10 +4,9 @@ usage: jitter.py --programs FOLDER [--seconds 60] [--commands 200] [--runs 1] [-
 import argparse
 import os
 import pathlib
-import subprocess
 import time
 
-from link_bench import Bench, Process, Witness, wait_for
+from link_bench import Bench, Process, Witness, busy_loops, wait_for
 
 PERIOD = 0.02  # s
 WITHIN = 0.002  # s
@@ -27,10 +26,6 @@ class Sink:
     @property
     def frames(self):
         return [(float(time), int(ticks)) for time, ticks in (line.split() for line in self.process.lines[1:])]
-
-
-def hogs(count):
-    return [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(count)]
 
 
 def percentiles(values):
@@ -100,7 +95,7 @@ def main():
     parser.add_argument("--no-load", action="store_true")
     parser.add_argument("--realtime-priority", type=int, default=50)
     options = parser.parse_args()
-    load = [] if options.no_load else hogs(2 * os.cpu_count())
+    load = [] if options.no_load else busy_loops(2 * os.cpu_count())
     good = True
     try:
         for run in range(options.runs):

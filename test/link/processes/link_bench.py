@@ -101,8 +101,14 @@ class Process:
                 stream.close()
 
 
+def busy_loops(count):
+    """@return processes that do nothing for ever, and end with the thread that started them"""
+    return [subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "sh", "-c", "while :; do :; done"]) for _ in range(count)]
+
+
 WITNESS = """
-import os, sys, time
+import ctypes, os, sys, time
+ctypes.CDLL(None).prctl(1, 9)  # PR_SET_PDEATHSIG, SIGKILL: it ends with its parent
 os.sched_setaffinity(0, {int(sys.argv[1])})
 try:
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(80))

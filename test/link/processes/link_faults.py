@@ -9,7 +9,7 @@ import struct
 import subprocess
 import time
 
-from link_bench import IDLE, START, Bench, NotBegun, be_firm, free_port, wait_for, wait_for_start
+from link_bench import IDLE, START, Bench, NotBegun, be_firm, busy_loops, free_port, wait_for, wait_for_start
 from relays import LcmRelay, SerialRelay
 
 NEVER = 99.0
@@ -95,8 +95,8 @@ class Killed(Fault):
 
     def harm(self):
         bench = self.bench
-        getattr(bench, self.victim).signal(self.signal)
         since = time.monotonic()
+        getattr(bench, self.victim).signal(self.signal)
         pause = self.rng.choice(self.pauses)
 
         def undo():
@@ -111,8 +111,8 @@ class Stopped(Fault):
 
     def harm(self):
         process = getattr(self.bench, self.victim)
-        process.signal(signal.SIGSTOP)
         since = time.monotonic()
+        process.signal(signal.SIGSTOP)
         pause = self.rng.uniform(0.31, 1.7)
 
         def undo():
@@ -375,7 +375,7 @@ class CpuStarved(Lasting):
 
     def __init__(self, programs, seed):
         super().__init__(programs, seed)
-        self.hogs = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(4 * os.cpu_count())]
+        self.hogs = busy_loops(4 * os.cpu_count())
 
     def close(self):
         for hog in self.hogs:

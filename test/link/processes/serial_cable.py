@@ -1,7 +1,7 @@
 """A serial cable between the stand-in's pseudo-terminal and one that it makes for the bridge; a process of its own, so that
 nothing else holds it up. usage: serial_cable.py STANDIN_END BRIDGE_END [keeps]. What waits in it is dropped when the bridge flushes its
 output (TCOFLUSH), as a serial driver drops it; with "keeps" it never is, as in some adapters. Orders, one a line on standard input: block, half (pass a
-part of the next frame, then block), free, noisy, clean, cut, plug. Each is answered with the time at which it was done."""
+part of the next frame, then block), free, noisy, clean, cut, plug. Each is answered, when it is done, with the time at which that began."""
 import contextlib
 import fcntl
 import os
@@ -66,6 +66,7 @@ class Cable:
 
     def move(self, source, target):
         with contextlib.suppress(BlockingIOError, OSError):
+            begin = time.monotonic()
             data = self.read_near() if source == self.near else os.read(source, 4096)
             if self.noisy and self.rng.random() < SPOILT and data:
                 spoilt = bytearray(data)
@@ -75,7 +76,7 @@ class Cable:
                 part = self.rng.randrange(1, len(data))
                 data, self.rest = data[:part], data[part:]
                 self.half, self.blocked = False, True
-                print(time.monotonic())
+                print(begin)
             os.write(target, data)
 
     def read_near(self):
@@ -105,8 +106,9 @@ class Cable:
                 order = sys.stdin.readline().strip()
                 if not order:
                     return
+                begin = time.monotonic()  # before: being held up then makes no time short
                 if self.obey(order):
-                    print(time.monotonic())
+                    print(begin)
                 continue
             if self.near in ready:
                 self.move(self.near, self.far)
