@@ -1,7 +1,7 @@
 // How well the mode estimator knows what it does not know: the simulated vehicle (dynamics, not the estimator's own
 // model) is switched, braked and pushed, with a noisy, biased accelerometer and motor outputs read back late.
 //   bench_estimator [seeds=20] [first=101] [rate=200] [case=PART OF A NAME] [member=value ...]
-// rate [Hz] of the readings; members of EstimatorSettings
+// rate [Hz] of the readings; members of EstimatorSettings. Why the mode was unknown goes to standard error.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,8 +34,9 @@ struct Score {
   double squares = 0;                                    ///< of the travel's error [m2]
   double cpu = 0;                                        ///< [s] in the estimator
   int runs = 0, changes = 0, ended_wrong = 0, ended_unsure = 0;
-  double lag = 0, worst_lag = 0;  ///< [s] from the vehicle's change of mode until the estimate is sure of it
-  int never = 0;                  ///< changes that the estimate was not sure of before the next one
+  double lag = 0, worst_lag = 0;        ///< [s] from the vehicle's change of mode until the estimate is sure of it
+  int never = 0;                        ///< changes that the estimate was not sure of before the next one
+  std::map<std::string, long> reasons;  ///< readings after which the mode was unknown, by the reason told
 };
 
 /// One vehicle, its sensors and its estimate.
@@ -77,7 +78,10 @@ class Trial {
     const Mode said = estimator_.estimate().mode;
     ++score_.runs;
     if (pending_) ++score_.never;
-    if (said == Mode::UNKNOWN) ++score_.ended_unsure;
+    if (said == Mode::UNKNOWN) {
+      ++score_.ended_unsure;
+      ++score_.reasons["at the end: " + estimator_.estimate().reason];
+    }
     if (said != Mode::UNKNOWN && said != truth_) ++score_.ended_wrong;
     return score_;
   }
@@ -123,7 +127,7 @@ class Trial {
     ++score_.readings;
     score_.squares += error * error;
     if (std::abs(error) < 2.0 * said.travel_deviation) ++score_.inside;
-    if (said.mode == Mode::UNKNOWN) ++score_.unsure;
+    if (said.mode == Mode::UNKNOWN) ++score_.unsure, ++score_.reasons[said.reason];
     if (said.mode != Mode::UNKNOWN && mode != Mode::UNKNOWN && said.mode != mode) ++score_.wrong;
   }
 
@@ -219,6 +223,7 @@ void print(const char* name, const Score& s) {
               100 * s.inside / n, 1e3 * std::sqrt(s.squares / n), 100 * s.wrong / n, 100 * s.unsure / n, seen,
               s.changes, seen ? 1e3 * s.lag / seen : 0.0, 1e3 * s.worst_lag, s.ended_wrong, s.ended_unsure, s.runs,
               1e6 * s.cpu / n);
+  for (const auto& [reason, count] : s.reasons) std::fprintf(stderr, "  %s: %s: %ld\n", name, reason.c_str(), count);
 }
 
 }  // namespace
@@ -283,6 +288,7 @@ int main(int argc, char** argv) {
       sum.readings += one.readings, sum.inside += one.inside, sum.unsure += one.unsure, sum.wrong += one.wrong;
       sum.squares += one.squares, sum.cpu += one.cpu, sum.runs += one.runs, sum.changes += one.changes;
       sum.ended_wrong += one.ended_wrong, sum.ended_unsure += one.ended_unsure, sum.never += one.never;
+      for (const auto& [reason, count] : one.reasons) sum.reasons[reason] += count;
       sum.lag += one.lag, sum.worst_lag = std::max(sum.worst_lag, one.worst_lag);
     }
     print(c.name, sum);

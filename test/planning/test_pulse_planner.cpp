@@ -5,8 +5,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/standin/plant.h"
-#include "snapwing/vehicle/table_origin.h"
-#include "support/example_table.h"
+#include "support/example_wing.h"
 #include "support/paths.h"
 
 namespace snapwing::planning {
@@ -53,7 +52,7 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   // The plant is other code with other integration; its vehicles are drawn from the same box.
   PlannerSettings settings;
   settings.verify_samples = 128;
-  const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle_, vehicle::armTableOf(vehicle_));
+  const std::optional<vehicle::WingTable> wing = snapwing::testing::exampleTableWing(vehicle_);
   const PulsePlanner planner(vehicle_, table_, settings, wing);
   const std::pair<Mode, vehicle::Mount> cases[] = {
       {Mode::FIXED_WING, vehicle::Mount::BOOM},  // wings act in flight only
