@@ -19,6 +19,11 @@ bool takeRealtimePriority(int priority) {
   return priority > 0 && sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
 }
 
+void leaveRealtimePriority() {
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_OTHER, &none);
+}
+
 void keepArguments(int argc, char** argv) {
   if (argc <= 0) return;
   arguments = argv[0];

@@ -7,6 +7,9 @@ namespace snapwing::link {
 /// @param priority  1..99; 0 or less asks for nothing
 /// @return whether it was granted
 bool takeRealtimePriority(int priority);
+/// Back to normal priority for the calling thread alone: what may turn without waiting, as ROS's spinner does while
+/// another thread works on its queue, must not keep that thread, and everybody else, from the processor.
+void leaveRealtimePriority();
 
 /// Of the operator's end: below the bridge and above everything else, so that a busy machine does not look like a dead
 /// operator.

@@ -114,6 +114,7 @@ class FlightLinkNode {
     services_.push_back(patient.advertiseService(topics::RESET_LINK, &FlightLinkNode::reset, this));
     for (int i = 0; i < URGENT_THREADS; ++i) threads_.emplace_back([this] { spin(urgent_queue_, true); });
     threads_.emplace_back([this] { spin(patient_queue_, false); });
+    link::leaveRealtimePriority();  // of the thread that spins; ROS's own threads and ours have theirs
   }
 
   ~FlightLinkNode() {

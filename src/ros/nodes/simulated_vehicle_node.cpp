@@ -106,6 +106,7 @@ class SimulatedVehicleNode {
     truth_ = handles.relative.advertise<VehicleTruth>(topics::TRUTH, 100);
     hold_ = handles.relative.advertiseService(topics::HOLD, &SimulatedVehicleNode::hold, this);
     thread_ = std::thread([this] { run(); });
+    link::leaveRealtimePriority();  // of the thread that spins
   }
 
   standin::Plant makePlant() const {
