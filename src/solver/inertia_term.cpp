@@ -14,6 +14,7 @@ void InertiaTerm<D>::evaluate(const Point& at, Order order, Sum& sum) const {
   if (order == Order::ENERGY) return;
   sum.gradient.segment(first_, force.size()) += force;
   sum.noteForce(force.norm());
+  sum.noteRounding(std::numeric_limits<double>::epsilon() * step.kappa * rows_ * at.y.lpNorm<Eigen::Infinity>());
   if (!elasticity::withTangent(order)) return;
   double* values = sum.hessian.data() + sum.region_place[region_];
   for (std::size_t k = 0; k < blocks.size(); ++k) {

@@ -65,7 +65,8 @@ void Newton::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order 
 }
 
 double Newton::tolerance(const Evaluation& at) const {
-  return std::max(settings_.relative_tolerance * at.force_scale, problem_.forceFloor());
+  constexpr double ROUNDINGS = 10;
+  return std::max({settings_.relative_tolerance * at.force_scale, ROUNDINGS * at.rounding, problem_.forceFloor()});
 }
 
 /// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.

@@ -48,8 +48,9 @@ Eigen::VectorXd RigidInertiaTerm::pick(const Eigen::VectorXd& full, int componen
 void RigidInertiaTerm::evaluate(const Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
   const Step& step = *at.step;
-  double squared = 0;
+  double squared = 0, size = 0;
   for (int i = 0; i < dimension_; ++i) {
+    size += pick(at.y, i).squaredNorm();
     const Eigen::VectorXd away = pick(at.y, i) - pick(step.y0, i) - step.h * pick(step.v0, i);
     const Eigen::VectorXd force = step.kappa * (block_ * away);
     sum.energy += 0.5 * force.dot(away);
@@ -63,6 +64,7 @@ void RigidInertiaTerm::evaluate(const Point& at, Order order, Sum& sum) const {
     }
   }
   sum.noteForce(std::sqrt(squared));
+  sum.noteRounding(std::numeric_limits<double>::epsilon() * step.kappa * block_.norm() * std::sqrt(size));
 }
 
 Eigen::Vector3d RigidInertiaTerm::momentum(const Eigen::VectorXd& v) const {

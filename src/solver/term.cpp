@@ -3,7 +3,7 @@
 namespace snapwing::solver {
 
 void Sum::reset(const HessianLayout& layout, int controls, Order order) {
-  energy = stored = force = 0;
+  energy = stored = force = rounding = 0;
   finite = true;
   min_det_f = std::numeric_limits<double>::infinity();
   min_det_f_cell = -1;
@@ -26,6 +26,8 @@ void Sum::addRankOne(int couple, double value, const Eigen::VectorXd& row) {
 
 void Term::controlTangent(const Point&, const Eigen::VectorXd&, const Eigen::VectorXd&, Eigen::VectorXd&,
                           Eigen::VectorXd&) const {}
+
+std::shared_ptr<const Memory> Term::keep(const Point&) const { return nullptr; }
 
 void Term::densityDerivative(const Point&, const Eigen::VectorXd*, Eigen::VectorXd&) const {}
 

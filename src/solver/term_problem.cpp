@@ -20,6 +20,12 @@ HessianLayout withCouples(HessianLayout layout, const std::vector<std::shared_pt
   return layout;
 }
 
+/// The point as the k-th term sees it.
+Point pointOf(Point at, std::size_t k) {
+  if (at.step != nullptr && !at.step->kept.empty()) at.kept = at.step->kept[k].get();
+  return at;
+}
+
 }  // namespace
 
 TermProblem::TermProblem(Parts parts)
@@ -38,7 +44,7 @@ void TermProblem::sumTerms(const Point& at, Order order, Sum& sum) const {
     const Term& term = *parts_.terms[k];
     if (at.step != nullptr && !at.step->path.empty() && term.role() == Term::Role::STORED) continue;
     sum.couples = &couples_[k];
-    term.evaluate(at, order, sum);
+    term.evaluate(pointOf(at, k), order, sum);
   }
 }
 
@@ -54,12 +60,13 @@ void TermProblem::averageStored(const Point& at, const StepContext& context, Ord
     for (std::size_t k = 0; k < parts_.terms.size(); ++k) {
       if (parts_.terms[k]->role() != Term::Role::STORED) continue;
       along.couples = &couples_[k];
-      parts_.terms[k]->evaluate({y, at.p, at.step, at.threads}, order, along);
+      parts_.terms[k]->evaluate(pointOf({y, at.p, at.step, at.threads}, k), order, along);
     }
     const double energy = weight * (along.stored - context.stored_at_start) / share;
     sum.energy += energy;
     sum.stored += energy;
     sum.noteForce(along.force);
+    sum.noteRounding(along.rounding);
     sum.finite = sum.finite && along.finite;
     if (along.min_det_f < sum.min_det_f) {
       sum.min_det_f = along.min_det_f;
@@ -89,6 +96,7 @@ void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
   out.energy = sum.energy;
   out.elastic_energy = sum.stored;
   out.force_scale = sum.force;
+  out.rounding = sum.rounding;
   out.min_det_f = sum.min_det_f;
   out.min_det_f_cell = sum.min_det_f_cell;
   if (order == Order::ENERGY || !out.finite) return;
@@ -121,6 +129,23 @@ std::string TermProblem::describeCell(int cell) const {
     if (term->region() >= 0 && term->role() == Term::Role::STORED) return term->describe(cell);
   }
   return "place " + std::to_string(cell);
+}
+
+std::vector<std::shared_ptr<const Memory>> TermProblem::keep(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const {
+  std::vector<std::shared_ptr<const Memory>> kept;
+  bool any = false;
+  for (const auto& term : parts_.terms) {
+    kept.push_back(term->keep({y, p, nullptr, parts_.threads}));
+    any = any || kept.back() != nullptr;
+  }
+  if (!any) kept.clear();
+  return kept;
+}
+
+void TermProblem::evaluateTerm(std::size_t term, const Point& at, Order order, Sum& sum) const {
+  sum.reset(layout_, controlCount(), order);
+  sum.couples = &couples_[term];
+  parts_.terms[term]->evaluate(pointOf(at, term), order, sum);
 }
 
 std::shared_ptr<const TermProblem> TermProblem::with(const std::vector<std::shared_ptr<const Term>>& more) const {

@@ -13,6 +13,7 @@ void addDesignArmCommand(CLI::App& app, int& exit_code);
 void addDesignWingCommand(CLI::App& app, int& exit_code);
 void addPredictCommand(CLI::App& app, int& exit_code);
 void addPlanCommand(CLI::App& app, int& exit_code);
+void addTrialCommand(CLI::App& app, int& exit_code);
 void addVehicleCommand(CLI::App& app, int& exit_code);
 
 /// The parent command `design`, added on first use. Its subcommands share it.

@@ -33,6 +33,7 @@ class Mass {
   Mass(const Discretisation<D>& solid, const std::vector<double>& mass_density, const std::vector<int>& rules = {},
        MassKind kind = MassKind::CONSISTENT);
 
+  int nodes() const { return pattern_.nodes(); }
   /// One value per block of the solid's pattern [kg].
   const std::vector<double>& blocks() const { return blocks_; }
   /// M v, (dofCount x 1). [kg m/s] for v in m/s

@@ -15,7 +15,9 @@ class InertiaTerm : public Term {
   /// @param mass    of the solid whose pattern the region was made of
   /// @param first   coordinate of its first displacement
   explicit InertiaTerm(std::shared_ptr<const mpm::Mass<D>> mass, int region = 0, int first = 0)
-      : mass_(std::move(mass)), region_(region), first_(first) {}
+      : mass_(std::move(mass)), region_(region), first_(first) {
+    rows_ = mass_->multiply(Eigen::VectorXd::Ones(D * mass_->nodes())).norm();
+  }
 
   std::string name() const override { return "inertia"; }
   Role role() const override { return Role::INERTIA; }
@@ -27,6 +29,7 @@ class InertiaTerm : public Term {
  private:
   std::shared_ptr<const mpm::Mass<D>> mass_;
   int region_, first_;
+  double rows_ = 0;  ///< 2-norm of the rows' sums [kg]
 };
 
 }  // namespace snapwing::solver

@@ -22,6 +22,7 @@ struct Evaluation {
   Eigen::VectorXd control_force;  ///< dPi/dp at fixed z: the multiplier of a driven displacement [N]
   std::vector<double> hessian;    ///< d2Pi/dz2 in the order of the pattern
   double force_scale = 0;         ///< [N] what a residual is measured against
+  double rounding = 0;            ///< [N] what rounding leaves of it: zero in statics
   double min_det_f = 1;
   int min_det_f_cell = -1;
   bool finite = false;

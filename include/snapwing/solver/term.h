@@ -21,6 +21,11 @@ namespace snapwing::solver {
 
 using elasticity::Order;
 
+/// What a term keeps of a step's start: a lagged matrix, internal variables.
+struct Memory {
+  virtual ~Memory() = default;
+};
+
 /// A step in time as the terms see it: constant during a solve, owned by the stepper.
 struct Step {
   double h = 0;            ///< [s] > 0
@@ -30,6 +35,8 @@ struct Step {
   /// Stored energies count as sum w (E(y0 + s d) - E(y0)) / s over these (s, w), d = y - y0: (1/2, 1) is the midpoint
   /// rule, Gauss points conserve energy. Empty: at the end point.
   std::vector<std::pair<double, double>> path;
+  /// What each term of the problem kept of the start, in their order; empty: no term keeps anything.
+  std::vector<std::shared_ptr<const Memory>> kept{};
 };
 
 /// Where a term is evaluated; views, valid during the call.
@@ -38,6 +45,7 @@ struct Point {
   const Eigen::VectorXd& p;    ///< controls, each in its own unit
   const Step* step = nullptr;  ///< null in statics
   int threads = 1;
+  const Memory* kept = nullptr;  ///< of the step's start, by the term that is evaluated
 };
 
 class Term;
@@ -50,6 +58,7 @@ struct Sum {
   Eigen::VectorXd control;      ///< dE/dp at fixed y, (controls x 1)
   std::vector<double> hessian;  ///< d2E/dy2 [N/m] in the order of the layout
   double force = 0;             ///< [N] largest force before terms cancel, over the terms
+  double rounding = 0;          ///< [N] what rounding of the coordinates leaves of a force, largest over the terms
   bool finite = true;           ///< false: some energy is infinite; the rest is not valid then
   double min_det_f = std::numeric_limits<double>::infinity();
   int min_det_f_cell = -1;                    ///< place of the term `worst`
@@ -61,6 +70,7 @@ struct Sum {
   /// Zeros, as far as the order needs them.
   void reset(const HessianLayout& layout, int controls, Order order);
   void noteForce(double newtons) { force = std::max(force, newtons); }
+  void noteRounding(double newtons) { rounding = std::max(rounding, newtons); }
   /// Adds `value` times row row^T to a couple, `row` in the order of its coordinates.
   void addRankOne(int couple, double value, const Eigen::VectorXd& row);
 };
@@ -85,6 +95,8 @@ class Term {
   /// Adds (d2E/dy dp) dp to by_y and (d2E/dp dy) dy + (d2E/dp2) dp to by_p. Default: no control in it.
   virtual void controlTangent(const Point& at, const Eigen::VectorXd& dy, const Eigen::VectorXd& dp,
                               Eigen::VectorXd& by_y, Eigen::VectorXd& by_p) const;
+  /// What it keeps of a step's start, once a step: handed back as Point::kept. Null: nothing.
+  virtual std::shared_ptr<const Memory> keep(const Point& start) const;
   /// Adds d(dE/dy . v)/d(density) of each cell, [N m] for v in m; dE/d(density) if v is null. Default: no density.
   virtual void densityDerivative(const Point& at, const Eigen::VectorXd* v, Eigen::VectorXd& by_cell) const;
   /// Words for a place, e.g. "cell 12 of body 0 at (...) m".

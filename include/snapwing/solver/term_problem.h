@@ -52,6 +52,11 @@ class TermProblem : public Problem {
   const Coordinates& coordinates() const { return *coordinates_; }
   std::shared_ptr<const Coordinates> sharedCoordinates() const { return coordinates_; }
   const std::vector<std::shared_ptr<const Term>>& terms() const { return parts_.terms; }
+  int threads() const { return parts_.threads; }
+  /// What the terms keep of a step's start (Step::kept). @param y  full coordinates there, p  controls
+  std::vector<std::shared_ptr<const Memory>> keep(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;
+  /// One term alone, by its number in terms(): for ledgers. `sum` is reset before.
+  void evaluateTerm(std::size_t term, const Point& at, Order order, Sum& sum) const;
   /// The same coordinates and layout with more terms behind its own.
   std::shared_ptr<const TermProblem> with(const std::vector<std::shared_ptr<const Term>>& more) const;
   /// d(dPi/dy . v)/d(density) of each cell at an evaluation, dPi/d(density) if v is null. (cells x 1)

@@ -1,0 +1,101 @@
+#pragma once
+/// One pulse on a vehicle of axis_vehicle.h: what is recorded, when it has ended, and the answer in the words of the
+/// lumped prediction.
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "snapwing/motion/axis_vehicle.h"
+#include "snapwing/vehicle/mode.h"
+
+namespace snapwing::motion {
+
+/// Thrust of all rotors under a sequence of demands: first-order lag, with one constant up and another down.
+class ThrustHistory {
+ public:
+  /// @param initial  [N]; @param time_up, time_down  [s] > 0
+  ThrustHistory(double initial, double time_up, double time_down);
+  /// From `time` on (not before the last one) `wanted` newtons.
+  void demand(double time, double wanted);
+  double at(double time) const;                  ///< [N]
+  double mean(double from, double until) const;  ///< over a time without a change of demand [N]
+
+ private:
+  struct Piece {
+    double time, wanted, thrust;
+  };
+  const Piece& pieceAt(double time) const;
+  double lag(const Piece& piece) const { return piece.wanted > piece.thrust ? up_ : down_; }
+  std::vector<Piece> pieces_;
+  double up_, down_;
+};
+
+struct AxisTrial {
+  vehicle::Mode start = vehicle::Mode::FIXED_WING;
+  double fraction = 0;                ///< steady thrust of the pulse / full thrust, [0, 1]
+  double duration = 0;                ///< of the command [s] >= 0
+  double initial_fraction = 0;        ///< before the pulse reaches the motors
+  double final_fraction = 0;          ///< after it
+  double latency = 0;                 ///< [s] command -> motors
+  double max_thrust = 0;              ///< [N] all rotors
+  double time_up = 0, time_down = 0;  ///< [s]
+  double horizon = 4;                 ///< [s] longest time watched after the pulse
+  /// A pulse on realised parameters. @param idle  steady thrust at motor idle / full thrust
+  static AxisTrial of(vehicle::Mode start, double fraction, double duration,
+                      const vehicle::VehicleParameters& parameters, double idle, const vehicle::Trial& trial);
+};
+
+/// One row a step; all of the whole vehicle.
+struct AxisSample {
+  double time = 0;                                                    ///< [s]
+  double ring_position = 0, ring_speed = 0, centre_speed = 0;         ///< [m], [m/s]
+  double travel = 0, travel_rate = 0;                                 ///< [m], [m/s]
+  double arm_rotation = 0;                                            ///< [rad]
+  double thrust = 0;                                                  ///< [N]
+  double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
+  double step = 0;                                                    ///< [s]
+  double min_det_f = 1;
+  int iterations = 0;
+};
+
+/// The members of rom::SnapPrediction that a solid has, by the same definitions.
+struct AxisOutcome {
+  vehicle::Mode start_mode = vehicle::Mode::UNKNOWN;
+  vehicle::Mode end_mode = vehicle::Mode::UNKNOWN;  ///< UNKNOWN = not settled within the horizon
+  bool snapped = false;
+  double snap_time = std::numeric_limits<double>::quiet_NaN();  ///< [s] last crossing of the unloaded barrier
+  double peak_travel = 0, least_travel = 0, end_travel = 0;     ///< [m]
+  double peak_speed = 0;                                        ///< [m/s] largest |speed| of the ring
+  double end_speed = 0;                                         ///< [m/s] of the common centre of mass
+  double settle_time = std::numeric_limits<double>::quiet_NaN();
+  bool start_held = true;
+  double largest_imbalance = 0;  ///< [J] of the summed account: what the scheme fed or ate
+  int steps = 0, iterations = 0, factorizations = 0;
+};
+
+/// What a run is resumed from: with the same bits as without the interruption.
+struct AxisRun {
+  MotionState state;
+  std::vector<AxisSample> samples;
+  AxisOutcome outcome;
+  double calm_since = 0;  ///< [s] since when the travel has been slow
+  bool begun = false;
+};
+
+struct AxisRunHooks {
+  /// After every step. @return false to stop; the run can be resumed
+  std::function<bool(const AxisRun&)> stepped;
+  /// A state worth keeping: what follows depends on it alone. Called every `keep_every` steps.
+  std::function<void(const AxisRun&)> keep;
+  int keep_every = 200;
+};
+
+/// Runs a trial to its end, or goes on with one that was stopped. Ended: thrust idle, |u'| < .06 m/s for .12 s, and in
+/// F the travel below two thirds of the barrier's, in Q beyond the valley with more than .8 of its force.
+/// @return false if stopped. @throws common::Error if a step fails
+bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
+              const AxisRunHooks& hooks = {});
+
+}  // namespace snapwing::motion

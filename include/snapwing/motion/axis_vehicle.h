@@ -1,0 +1,100 @@
+#pragma once
+/// The vehicle along its thrust axis with one soft arm for all: a rigid ring and a rigid centre, joined by the arm as a
+/// solid, with the arm's share of all masses and forces. Full coordinates are the nodes' displacements in space, then
+/// the places of ring and centre [m], so that every mass is constant.
+///
+/// What is in: the arm's own inertia, its large rotation and every mode of it; rotor lag; gravity along the axis; drag
+/// of ring and centre; on a boom its inertia, drag and friction at the tip; the upper stop with restitution; damping of
+/// the travel or of the material. leftOut() says what is not.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snapwing/motion/static_curve.h"
+#include "snapwing/motion/stepper.h"
+#include "snapwing/scene/arm_scene.h"
+#include "snapwing/vehicle/mode.h"
+#include "snapwing/vehicle/trial.h"
+#include "snapwing/vehicle/vehicle_parameters.h"
+
+namespace snapwing::motion {
+
+/// Where the loss that the file's damping ratio states goes; all give that ratio in Q.
+enum class DampingLaw {
+  TRAVEL,              ///< c u' on the travel, none in the material: the lumped model's
+  RAYLEIGH,            ///< the paper's: lagged, with the exact tangent; FEEDS the falling branch
+  RAYLEIGH_PROJECTED,  ///< lagged, with each particle's tangent projected
+  KELVIN_VOIGT,        ///< beta C : rate of Green's strain
+};
+/// travel, rayleigh, rayleigh_projected or kelvin_voigt. @throws common::Error
+DampingLaw dampingFromName(const std::string& name);
+std::string dampingName(DampingLaw law);
+
+struct AxisSettings {
+  int dimension = 2;  ///< 2: plane stress; 3: half the arm's thickness by symmetry
+  scene::SceneKernel kernel = scene::SceneKernel::LINEAR;
+  double cell_size = 0;        ///< [m]; 0: that of the arm's density
+  double least_density = 0.2;  ///< cells below are left out: lighter ones turn inside out in violent trials
+  mpm::MassKind mass = mpm::MassKind::CONSISTENT;
+  DampingLaw damping = DampingLaw::TRAVEL;
+  double stop_stiffness = 5e4;    ///< [N/m] of the upper stop; assumption, as the restitution
+  double stop_restitution = 0.5;  ///< [1] in (0, 1]
+  int threads = 1;
+};
+
+class AxisVehicle {
+ public:
+  /// @param parameters  of this vehicle, from vehicle::realise: masses, drag, damping c, force_scale
+  /// @param trial       mount, gravity, push. @throws common::Error for wings (not in this rung), a ring that is
+  /// lighter than its arms, an arm that is not bistable
+  AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
+              const vehicle::Trial& trial, const AxisSettings& settings);
+
+  std::shared_ptr<const solver::TermProblem> problem() const { return problem_; }
+  /// Control of the problem is the thrust of the whole vehicle [N].
+  double shareOfVehicle() const { return share_; }
+  const StaticCurve& curve() const { return *curve_; }
+  double armMass() const { return arm_mass_; }  ///< of all arms [kg]
+
+  /// At rest in the equilibrium of a mode under the trial's loads before the pulse, moving with its initial speed.
+  /// @param thrust  [N] of the vehicle; @param held  false if the mode is no equilibrium under these loads
+  MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const;
+
+  double ringPosition(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.y(ring_); }
+  double ringSpeed(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.v(ring_); }
+  double centreSpeed(const MotionState& s) const { return s.v(centre_); }
+  double travel(const MotionState& s) const { return ringPosition(s) - s.y(centre_); }
+  double travelRate(const MotionState& s) const { return ringSpeed(s) - centreSpeed(s); }
+  /// Rotation of the arm about its axle [rad].
+  double armRotation(const MotionState& s) const;
+  /// Momentum along the axis / mass of all that moves [m/s].
+  double commonSpeed(const MotionState& s, const Stepper& stepper) const;
+  /// Deformed cells in the ring's frame, as VTU text.
+  std::string vtu(const MotionState& s) const;
+  /// What this rung leaves out of the trial, one sentence each.
+  std::vector<std::string> leftOut() const;
+  int freeCount() const { return problem_->freeCount(); }
+  int cellCount() const { return scene_->cellCount(); }
+
+ private:
+  Eigen::VectorXd inRingFrame(const MotionState& s) const;
+  solver::Reduction eliminate() const;
+  std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p) const;
+  std::shared_ptr<const solver::Term> damping(double c) const;
+  std::shared_ptr<const solver::Term> materialDamping(double beta) const;
+  double lossOf(const solver::Term& term) const;
+
+  vehicle::Trial trial_;
+  AxisSettings settings_;
+  std::string vehicle_name_;
+  double stop_ = 0;
+  std::unique_ptr<scene::CompiledScene> scene_;
+  std::unique_ptr<StaticCurve> curve_;
+  double share_ = 1, arm_mass_ = 0;
+  int nodes_ = 0;  ///< coordinates of the arm's nodes
+  int ring_ = -1, centre_ = 0;
+  std::shared_ptr<const solver::TermProblem> problem_;
+};
+
+}  // namespace snapwing::motion

@@ -1,0 +1,41 @@
+#pragma once
+/// A trial as a YAML file states it: which vehicle, what surrounds it, the pulse, and how finely it is computed. SI.
+/// Schema: docs/motion.md.
+
+#include <string>
+#include <vector>
+
+#include "snapwing/motion/axis_vehicle.h"
+#include "snapwing/vehicle/mode.h"
+#include "snapwing/vehicle/trial.h"
+
+namespace snapwing::motion {
+
+enum class TrialRung {
+  LUMPED,      ///< tables (rom)
+  PLANAR,      ///< one arm in plane stress
+  VOLUMETRIC,  ///< one arm as a solid, half of it by symmetry
+};
+std::string rungName(TrialRung rung);
+
+struct TrialFile {
+  std::string name, file, sha256, vehicle_file;
+  TrialRung rung = TrialRung::PLANAR;
+  vehicle::Trial trial;
+  std::string mount;
+  vehicle::Mode start = vehicle::Mode::FIXED_WING;
+  double throttle = 0;      ///< stick [0, 1]; negative: `thrust` is given
+  double thrust = 0;        ///< steady thrust of the pulse / full thrust [0, 1]
+  double duration = 0;      ///< [s]
+  std::vector<double> box;  ///< coordinates in [-1, 1] of vehicle::uncertainNames(); empty: nominal
+  SchemeKind scheme = SchemeKind::MIDPOINT;
+  int points = 2;   ///< of the average force
+  double bias = 0;  ///< of the midpoint
+  StepperSettings steps;
+  AxisSettings axis;
+};
+
+/// @throws common::FileError, common::SettingError naming key, value and range
+TrialFile loadTrial(const std::string& path);
+
+}  // namespace snapwing::motion

@@ -1,0 +1,25 @@
+#pragma once
+/// What a trial leaves behind: series as CSV and HDF5, and a checkpoint from which a stopped run goes on with the same
+/// bits. All written whole or not at all: a killed run leaves the last complete record.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "snapwing/motion/axis_trial.h"
+
+namespace snapwing::motion {
+
+/// One row a step; the header names the units.
+std::string seriesCsv(const std::vector<AxisSample>& samples);
+/// The same columns as datasets with units, the static curve of the solid beside them, and where it came from.
+/// @throws common::FileError
+void saveSeries(const std::vector<AxisSample>& samples, const StaticCurve& curve, double whole,
+                const std::map<std::string, std::string>& provenance, const std::string& path);
+
+/// @param hash  of all that the run depends on. @throws common::FileError
+void saveTrialCheckpoint(const AxisRun& run, const std::string& hash, const std::string& path);
+/// @throws common::FileError if it is damaged or belongs to another trial
+AxisRun loadTrialCheckpoint(const std::string& path, const std::string& hash);
+
+}  // namespace snapwing::motion

@@ -1,0 +1,295 @@
+#include "snapwing/motion/axis_vehicle.h"
+
+#include <array>
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
+#include "snapwing/solver/elastic_term.h"
+#include "snapwing/solver/load_term.h"
+#include "snapwing/solver/material_damping.h"
+#include "snapwing/solver/row_terms.h"
+
+namespace snapwing::motion {
+
+using solver::Row;
+using solver::Term;
+using vehicle::Mount;
+
+namespace {
+
+constexpr double FRICTION_SPEED = 0.02;  // [m/s] as in the lumped model
+constexpr double CURVE_STEP = 0.002;     // [m]
+constexpr std::array<const char*, 4> DAMPING{"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"};
+
+scene::Scene armOf(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings) {
+  const vehicle::ArmSettings& arm = vehicle.arm;
+  mpm::DensityField field = mpm::loadDensityCsv(arm.density_file, arm.domain_length, arm.domain_height);
+  if (settings.cell_size > 0) field = field.resampled(settings.cell_size);
+  for (double& value : field.value) {
+    if (value < settings.least_density) value = -1;
+  }
+  scene::ArmSceneSettings of;
+  of.dimension = settings.dimension;
+  of.kernel = settings.kernel;
+  scene::Scene scene = scene::armScene(vehicle, field, of);
+  // The scale of the real force is one of the modulus: the law is linear in it.
+  scene.bodies[0].material.youngs_modulus *= force_scale;
+  return scene;
+}
+
+/// Coordinates along the thrust axis: y of every node.
+template <class Vector>
+void setAxis(Vector&& nodes, int dimension, double value) {
+  for (Eigen::Index k = 1; k < nodes.size(); k += dimension) nodes(k) = value;
+}
+
+}  // namespace
+
+DampingLaw dampingFromName(const std::string& name) {
+  for (std::size_t k = 0; k < DAMPING.size(); ++k) {
+    if (name == DAMPING[k]) return static_cast<DampingLaw>(k);
+  }
+  throw common::Error("damping is '" + name + "'; allowed: travel, rayleigh, rayleigh_projected, kelvin_voigt");
+}
+
+std::string dampingName(DampingLaw law) { return DAMPING[static_cast<std::size_t>(law)]; }
+
+AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
+                         const vehicle::Trial& trial, const AxisSettings& settings)
+    : trial_(trial), settings_(settings), vehicle_name_(vehicle.name), stop_(vehicle.limits.travel_min) {
+  if (trial.wings.value_or(false)) {
+    throw common::Error("wings is on; allowed on this rung: off (the wings' linkage is in the lumped rung)");
+  }
+  trial.validate();
+  scene_ = scene::compileScene(armOf(vehicle, parameters.force_scale, settings), settings.threads);
+  curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP);
+  if (!curve_->bistable()) {
+    throw common::Error("vehicle '" + vehicle.name +
+                        "': its arm has no second equilibrium up to limits.travel_max at " +
+                        "these cells; a trial needs a bistable one");
+  }
+  share_ = 1 / (vehicle.arm.count * scene_->multiplicity());
+  nodes_ = scene_->terms().coordinates().fullCount();
+  const bool held = trial.mount == Mount::HELD;
+  ring_ = held ? -1 : nodes_;
+  centre_ = held ? nodes_ : nodes_ + 1;
+  auto coordinates = std::make_shared<const solver::Coordinates>(eliminate(), settings.dimension);
+  solver::HessianLayout layout(centre_ + 1);
+  if (settings.dimension == 2) {
+    layout.addRegion(0, scene_->planar()->pattern());
+  } else {
+    layout.addRegion(0, scene_->volumetric()->pattern());
+  }
+  solver::TermProblem::Parts parts{std::move(layout), std::move(coordinates),       {},
+                                   settings.threads,  scene_->terms().forceFloor(), 0};
+  parts.terms = {scene_->terms().terms().front(), scene_->inertia(settings.mass)};
+  problem_ = std::make_shared<const solver::TermProblem>(parts);
+  Eigen::VectorXd up = Eigen::VectorXd::Zero(centre_ + 1);
+  setAxis(up.head(nodes_), settings.dimension, 1.0);
+  Stepper weigh(problem_, Scheme(SchemeKind::MIDPOINT), {});
+  const Eigen::VectorXd moved = weigh.momentum(up);
+  arm_mass_ = up.dot(moved) / share_;
+  if (!(parameters.ring_mass > arm_mass_)) {
+    throw common::Error("masses.total leaves " + common::toText(parameters.ring_mass) +
+                        " kg for ring and arms; allowed: " + "more than the arms' " + common::toText(arm_mass_) +
+                        " kg");
+  }
+  const std::vector<std::shared_ptr<const Term>> more = bodies(parameters);
+  parts.terms.insert(parts.terms.end(), more.begin(), more.end());
+  parts.terms.push_back(damping(parameters.damping));
+  // Thrust on the ring by the control, and weight of all against the axis.
+  Eigen::VectorXd dead = -trial.gravity * moved;
+  if (!held)
+    dead(ring_) -= share_ * trial.gravity *
+                   (parameters.ring_mass - arm_mass_ + (trial.mount == Mount::BOOM ? parameters.boom_mass : 0));
+  if (!held) dead(ring_) += share_ * trial.push;
+  dead(centre_) -= share_ * trial.gravity * parameters.centre_mass;
+  Eigen::MatrixXd thrust = Eigen::MatrixXd::Zero(centre_ + 1, 1);
+  if (!held) thrust(ring_, 0) = share_;
+  parts.terms.push_back(std::make_shared<const solver::LoadTerm>(std::move(dead), std::move(thrust)));
+  problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
+}
+
+/// The scene's equations hold in the ring's frame: y_i - e_i r = sum T_ij (y_j - e_j r) + B_i (r - c), with e_i = 1
+/// along the axis, r and c the places of ring and centre.
+solver::Reduction AxisVehicle::eliminate() const {
+  const solver::Reduction& own = scene_->terms().coordinates().linear();
+  const Eigen::VectorXd by_control =
+      own.expandDirection(Eigen::VectorXd::Zero(own.freeCount()), Eigen::VectorXd::Ones(1));
+  const auto along = [&](int dof) { return dof % settings_.dimension == 1 ? 1.0 : 0.0; };
+  std::vector<int> free_of_dof(nodes_, -1);
+  for (int z = 0; z < own.freeCount(); ++z) free_of_dof[own.dofOfFree(z)] = z;
+  std::vector<solver::Equation> equations;
+  for (int dof = 0; dof < nodes_; ++dof) {
+    if (free_of_dof[dof] >= 0) continue;
+    solver::Equation equation;
+    equation.name = "the arm's supports";
+    equation.terms.emplace_back(dof, 1.0);
+    double of_ring = -along(dof) - by_control(dof);
+    for (const auto& [z, factor] : own.terms(dof)) {
+      const int other = own.dofOfFree(z);
+      equation.terms.emplace_back(other, -factor);
+      of_ring += factor * along(other);
+    }
+    if (ring_ >= 0 && of_ring != 0) equation.terms.emplace_back(ring_, of_ring);
+    if (by_control(dof) != 0) equation.terms.emplace_back(centre_, by_control(dof));
+    equations.push_back(std::move(equation));
+  }
+  return solver::Reduction(centre_ + 1, 1, equations, nodes_);
+}
+
+std::vector<std::shared_ptr<const Term>> AxisVehicle::bodies(const vehicle::VehicleParameters& p) const {
+  std::vector<std::shared_ptr<const Term>> terms;
+  const auto row = [](int coordinate) { return Row({{coordinate, 1.0}}); };
+  const bool boom = trial_.mount == Mount::BOOM;
+  if (ring_ >= 0) {
+    const double mass = p.ring_mass - arm_mass_ + (boom ? p.boom_mass : 0);
+    terms.push_back(std::make_shared<solver::RowInertia>("ring", row(ring_), share_ * mass));
+    terms.push_back(std::make_shared<solver::RowDrag>("drag of the ring", row(ring_),
+                                                      share_ * (p.ring_drag + (boom ? p.boom_drag : 0))));
+    if (boom) {
+      terms.push_back(std::make_shared<solver::RowFriction>("friction of the boom", row(ring_),
+                                                            share_ * p.boom_friction, FRICTION_SPEED));
+    }
+  }
+  terms.push_back(std::make_shared<solver::RowInertia>("centre", row(centre_), share_ * p.centre_mass));
+  terms.push_back(std::make_shared<solver::RowDrag>("drag of the centre", row(centre_), share_ * p.centre_drag));
+  const Row travel = ring_ >= 0 ? Row({{ring_, 1.0}, {centre_, -1.0}}) : Row({{centre_, -1.0}});
+  const double reduced = ring_ < 0 ? p.centre_mass : p.ring_mass * p.centre_mass / (p.ring_mass + p.centre_mass);
+  const double stiffness = share_ * settings_.stop_stiffness;
+  terms.push_back(std::make_shared<solver::RowStop>("upper stop", travel, stop_, stiffness));
+  terms.push_back(std::make_shared<solver::RowStopLoss>("loss of the stop", travel, stop_, stiffness, share_ * reduced,
+                                                        settings_.stop_restitution));
+  return terms;
+}
+
+std::shared_ptr<const Term> AxisVehicle::materialDamping(double beta) const {
+  if (settings_.dimension == 2) {
+    auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<2>>(problem_->terms().front())->sharedSolid();
+    if (settings_.damping == DampingLaw::KELVIN_VOIGT) {
+      return std::make_shared<const solver::KelvinVoigtTerm<2>>(solid, beta);
+    }
+    return std::make_shared<const solver::RayleighTerm<2>>(
+        solid, nullptr, 0, beta,
+        settings_.damping == DampingLaw::RAYLEIGH ? solver::LaggedTangent::EXACT : solver::LaggedTangent::PROJECTED);
+  }
+  auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<3>>(problem_->terms().front())->sharedSolid();
+  if (settings_.damping == DampingLaw::KELVIN_VOIGT) {
+    return std::make_shared<const solver::KelvinVoigtTerm<3>>(solid, beta);
+  }
+  return std::make_shared<const solver::RayleighTerm<3>>(
+      solid, nullptr, 0, beta,
+      settings_.damping == DampingLaw::RAYLEIGH ? solver::LaggedTangent::EXACT : solver::LaggedTangent::PROJECTED);
+}
+
+/// c of the travel that a material's law with beta = 1 makes in Q [N s/m per s], of the problem: twice the potential of
+/// a small step along the static path, times h, over its travel squared.
+double AxisVehicle::lossOf(const Term& term) const {
+  constexpr double SMALL = 1e-6;  // [m]
+  const StaticPoint q = curve_->at(curve_->second());
+  const solver::Coordinates& own = scene_->terms().coordinates();
+  const auto place = [&](double shift) {
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(centre_ + 1);
+    y.head(nodes_) = own.expand(q.z + shift * q.slope, Eigen::VectorXd::Constant(1, q.control + shift));
+    return y;
+  };
+  solver::HessianLayout layout(centre_ + 1);
+  if (settings_.dimension == 2) {
+    layout.addRegion(0, scene_->planar()->pattern());
+  } else {
+    layout.addRegion(0, scene_->volumetric()->pattern());
+  }
+  solver::Step step;
+  step.h = 1;
+  step.y0 = place(0);
+  step.v0 = Eigen::VectorXd::Zero(centre_ + 1);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1), moved = place(SMALL);
+  const auto kept = term.keep({step.y0, none, nullptr, settings_.threads});
+  solver::Sum sum;
+  sum.reset(layout, 1, solver::Order::ENERGY);
+  term.evaluate({moved, none, &step, settings_.threads, kept.get()}, solver::Order::ENERGY, sum);
+  return 2 * sum.energy / (SMALL * SMALL);
+}
+
+std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
+  if (settings_.damping == DampingLaw::TRAVEL) {
+    const Row travel = ring_ >= 0 ? Row({{ring_, 1.0}, {centre_, -1.0}}) : Row({{centre_, -1.0}});
+    return std::make_shared<solver::RowDamper>("damping of the travel", travel, share_ * c);
+  }
+  const double unit = lossOf(*materialDamping(1));
+  if (!(unit > 0)) {
+    throw common::Error("damping is " + dampingName(settings_.damping) +
+                        ": the material's law has no loss in Q at these cells; allowed: travel");
+  }
+  return materialDamping(share_ * c / unit);
+}
+
+/// Steps that keep no motion end where the vehicle accelerates as a whole and nothing else moves.
+MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) const {
+  if (mode == vehicle::Mode::UNKNOWN) throw common::Error("start is unknown; allowed: F or Q");
+  constexpr int STEPS = 80;
+  constexpr double H = 0.02;  // [s] long against the travel's period: each step takes most of what is left
+  const StaticPoint rest = mode == vehicle::Mode::FIXED_WING ? curve_->points().front() : curve_->at(curve_->second());
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(centre_ + 1);
+  y.head(nodes_) = scene_->terms().coordinates().expand(rest.z, Eigen::VectorXd::Constant(1, rest.control));
+  y(centre_) = -rest.control;
+  const Eigen::VectorXd load = Eigen::VectorXd::Constant(1, thrust);
+  Eigen::VectorXd together = Eigen::VectorXd::Zero(centre_ + 1);
+  if (ring_ >= 0) {
+    setAxis(together.head(nodes_), settings_.dimension, 1.0);
+    together(ring_) = together(centre_) = 1;
+  }
+  StepperSettings settings;
+  settings.largest_step = H;
+  Stepper stepper(problem_, Scheme(SchemeKind::BACKWARD_EULER), settings);
+  const ControlOf control = [&](double, double) { return load; };
+  const auto at = [&](const Eigen::VectorXd& full) {
+    return stepper.start(problem_->coordinates().linear().freePart(full), load, trial_.initial_speed * together);
+  };
+  MotionState state = at(y);
+  for (int k = 0; k < STEPS; ++k) {
+    stepper.step(state, H, control);
+    // Back to where the ring was, and to the speed of before.
+    state = at(state.y - ringPosition(state) * together);
+  }
+  const double found = travel(state);
+  const bool exists = mode == vehicle::Mode::FIXED_WING ? found < curve_->barrier() : found > curve_->barrier();
+  if (held != nullptr) *held = exists;
+  if (!exists) state = at(y);
+  return state;
+}
+
+Eigen::VectorXd AxisVehicle::inRingFrame(const MotionState& s) const {
+  Eigen::VectorXd u = s.y.head(nodes_);
+  for (Eigen::Index k = 1; k < u.size(); k += settings_.dimension) u(k) -= ringPosition(s);
+  return u;
+}
+
+double AxisVehicle::armRotation(const MotionState& s) const { return scene_->monitor(0, inRingFrame(s)); }
+
+double AxisVehicle::commonSpeed(const MotionState& s, const Stepper& stepper) const {
+  const Eigen::VectorXd p = stepper.momentum(s.v);
+  Eigen::VectorXd up = Eigen::VectorXd::Zero(centre_ + 1);
+  setAxis(up.head(nodes_), settings_.dimension, 1.0);
+  up(centre_) = 1;
+  if (ring_ >= 0) up(ring_) = 1;
+  return up.dot(p) / up.dot(stepper.momentum(up));
+}
+
+std::string AxisVehicle::vtu(const MotionState& s) const {
+  const Eigen::VectorXd u = inRingFrame(s);
+  return scene_->vtu(scene_->terms().coordinates().linear().freePart(u), travel(s));
+}
+
+std::vector<std::string> AxisVehicle::leftOut() const {
+  std::vector<std::string> out{"motion across the thrust axis and rotation of the vehicle: all arms move alike",
+                               "wings and their linkage (lumped rung: --wings on)",
+                               "friction of the arms' axles beyond the damping ratio",
+                               "thrust that falls with airspeed, battery sag, yaw moment of the propellers"};
+  if (trial_.mount == Mount::BOOM) out.push_back("the boom's turning: no centripetal load on centre and arms");
+  if (settings_.dimension == 2) out.push_back("what a solid's thickness does beyond plane stress (rung volumetric)");
+  return out;
+}
+
+}  // namespace snapwing::motion

@@ -1,0 +1,214 @@
+#include "snapwing/motion/stepper.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
+
+namespace snapwing::motion {
+
+using solver::Order;
+using solver::Term;
+
+void StepperSettings::validate() const {
+  const auto require = [](bool good, const std::string& name, double value, const std::string& allowed) {
+    if (!good) throw common::Error(name + " is " + common::toText(value) + "; allowed: " + allowed);
+  };
+  require(largest_step > 0 && largest_step <= 1, "largest_step", largest_step, "(0, 1] s");
+  require(smallest_step > 0 && smallest_step <= largest_step, "smallest_step", smallest_step, "(0, largest_step]");
+  require(error >= 0 && std::isfinite(error), "error", error, ">= 0 m");
+}
+
+/// A step that was tried.
+struct Stepper::Trial {
+  MotionState end;
+  StepAccount account;
+  solver::StepContext context;
+  solver::Evaluation at;
+  Eigen::VectorXd control;
+  solver::NewtonResult newton;
+};
+
+Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Scheme& scheme,
+                 const StepperSettings& settings)
+    : problem_(std::move(problem)), scheme_(scheme), settings_(settings) {
+  settings_.validate();
+  step_problem_ = std::make_unique<solver::StepProblem>(problem_, nullptr, nullptr);
+  solver::NewtonSettings newton;
+  newton.max_iterations = settings.max_iterations;
+  newton.relative_tolerance = settings.relative_tolerance;
+  newton.projection = settings.projection;
+  newton_ = std::make_unique<solver::Newton>(*step_problem_, newton);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(problem_->coordinates().fullCount());
+  total_mass_ = momentum(ones).sum();
+  if (!(total_mass_ > 0)) throw common::Error("a problem in time has no mass: give it a term of inertia");
+}
+
+Stepper::~Stepper() = default;
+
+MotionState Stepper::start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& rate) const {
+  MotionState state;
+  state.z = z;
+  state.y = problem_->coordinates().expand(z, p);
+  state.v = rate.size() > 0 ? rate : Eigen::VectorXd::Zero(state.y.size());
+  if (state.v.size() != state.y.size()) {
+    throw common::Error("rates have " + std::to_string(state.v.size()) +
+                        " values; allowed: " + std::to_string(state.y.size()));
+  }
+  state.kinetic = kineticEnergy(state.v);
+  state.stored = storedEnergy(state.y, p);
+  return state;
+}
+
+/// Terms of inertia as a step from rest at 0 with h = 0 and unit weight sees them: their slope at v is M v.
+Eigen::VectorXd Stepper::momentum(const Eigen::VectorXd& v) const {
+  solver::Step unit;
+  unit.kappa = 1;
+  unit.y0 = unit.v0 = Eigen::VectorXd::Zero(v.size());
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem_->controlCount());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(v.size());
+  for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
+    if (problem_->terms()[k]->role() != Term::Role::INERTIA) continue;
+    problem_->evaluateTerm(k, {v, none, &unit, problem_->threads()}, Order::STRESS, sum_);
+    sum += sum_.gradient;
+  }
+  return sum;
+}
+
+double Stepper::kineticEnergy(const Eigen::VectorXd& v) const { return 0.5 * v.dot(momentum(v)); }
+
+double Stepper::meanOverMass(const Eigen::VectorXd& shift) const {
+  return std::sqrt(std::max(0.0, shift.dot(momentum(shift))) / total_mass_);
+}
+
+double Stepper::storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const {
+  double energy = 0;
+  for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
+    if (problem_->terms()[k]->role() != Term::Role::STORED) continue;
+    problem_->evaluateTerm(k, {y, p, nullptr, problem_->threads()}, Order::ENERGY, sum_);
+    energy += sum_.finite ? sum_.stored : std::numeric_limits<double>::infinity();
+  }
+  return energy;
+}
+
+/// First guess: on with the rates of now, and the acceleration of before.
+bool Stepper::solve(const MotionState& from, const solver::StepContext& context, Trial& out) {
+  const solver::Coordinates& coordinates = problem_->coordinates();
+  const double h = context.step.h;
+  step_problem_->setStep(std::shared_ptr<const solver::StepContext>(std::shared_ptr<void>(), &context),
+                         from.references);
+  Eigen::VectorXd guess = from.z;
+  if (coordinates.rotationCount() == 0) {
+    for (int k = 0; k < guess.size(); ++k) {
+      const int dof = coordinates.linear().dofOfFree(k);
+      guess(k) += h * from.v(dof);
+      if (from.acceleration.size() > 0) guess(k) += 0.5 * h * h * from.acceleration(dof);
+    }
+  }
+  for (const bool from_rest : {false, true}) {
+    out.end.z = from_rest ? from.z : guess;
+    out.newton = newton_->solve(out.control, out.end.z, out.at);
+    out.account.iterations += out.newton.iterations;
+    out.account.factorizations += out.newton.factorizations;
+    if (out.newton.converged()) return true;
+    if (coordinates.rotationCount() > 0) break;
+  }
+  return false;
+}
+
+bool Stepper::attempt(const MotionState& from, double h, const ControlOf& control, Trial& out) {
+  out.account = StepAccount{};
+  out.account.h = h;
+  out.control = control(from.time, h);
+  out.context = solver::StepContext{};
+  out.context.step = scheme_.begin(h, from.y, from.v);
+  out.context.step.p0 = out.control;
+  out.context.step.kept = problem_->keep(from.y, out.control);
+  out.context.stored_at_start = from.stored;
+  if (scheme_.meanDirections() && problem_->coordinates().rotationCount() > 0) {
+    auto place = std::make_shared<solver::Coordinates::Place>();
+    problem_->coordinates().at(from.z, out.control, from.references.get(), *place);
+    out.context.mean_with = place;
+  }
+  const bool good = solve(from, out.context, out);
+  iterations_ += out.account.iterations;
+  factorizations_ += out.account.factorizations;
+  if (!good) return false;
+  account(from, out);
+  // The path may miss what the end shows: a solid turned inside out.
+  return std::isfinite(out.account.stored);
+}
+
+void Stepper::account(const MotionState& from, Trial& out) {
+  const solver::Step& step = out.context.step;
+  MotionState& end = out.end;
+  end.time = from.time + step.h;
+  end.y = out.at.place.y;
+  end.v = scheme_.rates(step, end.y);
+  end.acceleration = (end.v - from.v) / step.h;
+  end.last_step = step.h;
+  end.references = from.references;
+  StepAccount& account = out.account;
+  const Eigen::VectorXd d = end.y - from.y;
+  const solver::Point point{end.y, out.control, &step, problem_->threads()};
+  for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
+    const Term& term = *problem_->terms()[k];
+    if (term.role() != Term::Role::LOAD && term.role() != Term::Role::DISSIPATION) continue;
+    problem_->evaluateTerm(k, point, Order::STRESS, sum_);
+    const double done = sum_.gradient.dot(d);
+    const bool load = term.role() == Term::Role::LOAD;
+    account.terms.push_back({term.name(), term.role(), load ? -done : done});
+    (load ? account.work : account.loss) += load ? -done : done;
+  }
+  account.kinetic = kineticEnergy(end.v);
+  account.stored = storedEnergy(end.y, out.control);
+  end.kinetic = account.kinetic;
+  end.stored = account.stored;
+  account.imbalance = account.kinetic + account.stored - from.kinetic - from.stored - account.work + account.loss;
+  account.min_det_f = out.at.min_det_f;
+  const Eigen::VectorXd change =
+      from.acceleration.size() > 0 ? Eigen::VectorXd(end.acceleration - from.acceleration) : end.acceleration;
+  account.error =
+      meanOverMass(scheme_.localError(change, end.acceleration, step.h, from.last_step > 0 ? from.last_step : step.h));
+  if (problem_->coordinates().rotationCount() > 0) {
+    end.references = problem_->coordinates().renew(end.z, from.references.get());
+  }
+}
+
+StepAccount Stepper::step(MotionState& state, double until, const ControlOf& control) {
+  if (!(until > state.time)) {
+    throw common::Error("a step from " + common::toText(state.time) + " s until " + common::toText(until) +
+                        " s; allowed: later than its start");
+  }
+  double wanted = state.next_step > 0 ? state.next_step : settings_.largest_step;
+  const double left = until - state.time;
+  Trial trial;
+  std::string tried;
+  for (;;) {
+    // Equal steps up to `until`, so that no sliver is left.
+    const double h = left / std::max(1.0, std::ceil(left / wanted - 1e-9));
+    const bool good = attempt(state, h, control, trial);
+    const bool exact =
+        settings_.error == 0 || trial.account.error <= settings_.error || wanted <= settings_.smallest_step;
+    if (good && exact) {
+      const bool may_grow = settings_.error > 0 && trial.account.error < settings_.error / 10;
+      trial.end.next_step = may_grow ? std::min(2 * wanted, settings_.largest_step) : wanted;
+      if (settings_.error == 0) trial.end.next_step = std::min(2 * wanted, settings_.largest_step);
+      if (std::abs(until - trial.end.time) < 1e-12 * std::max(1.0, until)) trial.end.time = until;
+      state = std::move(trial.end);
+      return trial.account;
+    }
+    if (!good) {
+      tried += (tried.empty() ? "" : "; ") + common::toText(h) + " s: " +
+               (trial.newton.converged() ? "the end of the step turns material inside out"
+                                         : solver::statusName(trial.newton.status) + ", " + trial.newton.message);
+      if (wanted <= settings_.smallest_step || tried.size() > 4000) {
+        throw common::Error("the motion failed at " + common::toText(state.time) + " s; steps tried: " + tried);
+      }
+    }
+    wanted = std::max(0.5 * std::min(wanted, h), settings_.smallest_step);
+  }
+}
+
+}  // namespace snapwing::motion

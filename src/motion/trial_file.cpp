@@ -1,0 +1,130 @@
+#include "snapwing/motion/trial_file.h"
+
+#include <algorithm>
+#include <random>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/common/settings_reader.h"
+#include "snapwing/scene/rung.h"
+#include "snapwing/vehicle/vehicle_parameters.h"
+
+namespace snapwing::motion {
+
+namespace {
+
+using common::SettingsReader;
+
+/// `uncertain`: names of the vehicle file's uncertain numbers with their place in the box, or a seed that draws all.
+void readBox(SettingsReader& reader, TrialFile& out) {
+  if (!reader.has("uncertain")) return;
+  SettingsReader box = reader.map("uncertain");
+  const std::vector<std::string>& names = vehicle::uncertainNames();
+  out.box.assign(names.size(), 0.0);
+  if (box.has("seed")) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(box.integer("seed", 0, 1000000000)));
+    for (double& value : out.box) value = 2.0 * static_cast<double>(random() >> 11) / 9007199254740992.0 - 1.0;
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (box.has(names[k])) out.box[k] = box.number(names[k], {-1, 1}, "half widths");
+  }
+  box.finish();
+}
+
+void readPulse(SettingsReader& reader, TrialFile& out) {
+  SettingsReader pulse = reader.map("pulse");
+  out.throttle = -1;
+  if (pulse.has("throttle") == pulse.has("thrust")) {
+    pulse.fail("throttle", pulse.has("throttle") ? "given beside thrust" : "missing",
+               "exactly one of throttle, thrust");
+  }
+  if (pulse.has("throttle")) {
+    out.throttle = pulse.number("throttle", {0, 1}, "1");
+  } else {
+    out.thrust = pulse.number("thrust", {0, 1}, "1");
+  }
+  out.duration = pulse.number("duration", {0, 60}, "s");
+  pulse.finish();
+}
+
+void readSurroundings(SettingsReader& reader, TrialFile& out) {
+  out.mount = reader.has("mount") ? reader.choice("mount", {"auto", "free", "boom", "held"}) : "auto";
+  const std::string wings = reader.has("wings") ? reader.choice("wings", {"auto", "on", "off"}) : "auto";
+  out.trial.wings = vehicle::wingsFromName(wings);
+  out.trial.gravity = reader.numberOr("gravity", 0, {-100, 100}, "m/s2");
+  out.trial.initial_speed = reader.numberOr("initial_speed", 0, {-200, 200}, "m/s");
+  out.trial.push = reader.numberOr("push", 0, {-1000, 1000}, "N");
+  if (reader.has("initial_thrust")) out.trial.initial_thrust_fraction = reader.number("initial_thrust", {0, 1}, "1");
+  if (reader.has("final_thrust")) out.trial.final_thrust_fraction = reader.number("final_thrust", {0, 1}, "1");
+  out.trial.horizon = reader.numberOr("horizon", out.trial.horizon, {0.01, 60}, "s");
+}
+
+void readSteps(SettingsReader& reader, TrialFile& out) {
+  if (!reader.has("time")) return;
+  SettingsReader time = reader.map("time");
+  if (time.has("scheme")) {
+    out.scheme = schemeFromName(time.choice("scheme", {"backward_euler", "midpoint", "average_force"}));
+  }
+  out.points = time.integerOr("points", out.points, 1, 4);
+  out.bias = time.numberOr("bias", 0, {0, 0.5}, "1");
+  if (out.bias > 0 && out.scheme != SchemeKind::MIDPOINT) {
+    time.fail("bias", "more than 0 with scheme " + schemeName(out.scheme), "0, or scheme midpoint");
+  }
+  out.steps.largest_step = time.numberOr("step", out.steps.largest_step, {1e-6, 0.1}, "s");
+  out.steps.error = time.numberOr("error", out.steps.error, {0, 1e-3}, "m");
+  out.steps.smallest_step = std::min(out.steps.smallest_step, out.steps.largest_step);
+  out.steps.relative_tolerance = time.numberOr("tolerance", out.steps.relative_tolerance, {1e-14, 1e-2}, "1");
+  time.finish();
+}
+
+void readSolid(SettingsReader& reader, TrialFile& out) {
+  if (reader.has("rung")) {
+    const std::string rung = reader.choice("rung", {"lumped", "planar", "volumetric"});
+    out.rung = rung == "lumped" ? TrialRung::LUMPED : rung == "planar" ? TrialRung::PLANAR : TrialRung::VOLUMETRIC;
+  }
+  out.axis.dimension = out.rung == TrialRung::VOLUMETRIC ? 3 : 2;
+  if (!reader.has("solid")) return;
+  SettingsReader solid = reader.map("solid");
+  if (out.rung == TrialRung::LUMPED) reader.fail("solid", "given", "with rung planar or volumetric only");
+  if (solid.has("kernel"))
+    out.axis.kernel = scene::kernelFromName(solid.choice("kernel", {"linear", "linear_reduced", "quadratic"}));
+  out.axis.cell_size = solid.numberOr("cell_size", 0, {0, 0.02}, "m");
+  out.axis.least_density = solid.numberOr("least_density", out.axis.least_density, {0, 0.99}, "1");
+  if (solid.has("mass")) {
+    out.axis.mass =
+        solid.choice("mass", {"consistent", "lumped"}) == "lumped" ? mpm::MassKind::LUMPED : mpm::MassKind::CONSISTENT;
+  }
+  if (solid.has("damping")) {
+    out.axis.damping =
+        dampingFromName(solid.choice("damping", {"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"}));
+  }
+  out.axis.stop_stiffness = solid.numberOr("stop_stiffness", out.axis.stop_stiffness, {1, 1e9}, "N/m");
+  out.axis.stop_restitution = solid.numberOr("stop_restitution", out.axis.stop_restitution, {0.01, 1}, "1");
+  solid.finish();
+}
+
+}  // namespace
+
+std::string rungName(TrialRung rung) {
+  if (rung == TrialRung::LUMPED) return "lumped";
+  return rung == TrialRung::PLANAR ? "planar" : "volumetric";
+}
+
+TrialFile loadTrial(const std::string& path) {
+  SettingsReader reader = SettingsReader::fromFile(path);
+  TrialFile out;
+  out.file = path;
+  out.sha256 = common::sha256OfFile(path);
+  out.name = reader.text("trial");
+  out.vehicle_file = reader.resolvePath(reader.text("vehicle"));
+  readSurroundings(reader, out);
+  out.start = vehicle::modeFromName(reader.choice("start", {"F", "Q"}));
+  readPulse(reader, out);
+  readSolid(reader, out);
+  readSteps(reader, out);
+  readBox(reader, out);
+  reader.finish();
+  return out;
+}
+
+}  // namespace snapwing::motion

@@ -1,0 +1,286 @@
+// `snapwing trial`: one pulse on the vehicle, computed on the rung that the trial's file names.
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "curve_options.h"
+#include "prediction_json.h"
+#include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
+#include "snapwing/common/output_file.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/motion/trial_file.h"
+#include "snapwing/motion/trial_record.h"
+#include "snapwing/rom/lumped_model.h"
+#include "snapwing/scene/rung.h"
+#include "snapwing/vehicle/table_origin.h"
+
+namespace snapwing::tools {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::ordered_json;
+
+struct Options {
+  std::string file, folder;
+  int threads = 1;
+  bool quiet = false, vtu = false;
+};
+
+/// A trial with what it names, and the files that it writes.
+struct Work {
+  explicit Work(const Options& given)
+      : options(given),
+        file(motion::loadTrial(options.file)),
+        vehicle(vehicle::loadVehicle(file.vehicle_file)),
+        table(vehicle::armTableOf(vehicle)) {
+    file.trial.mount = vehicle::mountFor(vehicle, file.mount, "mount");
+    file.trial.validate();
+    parameters = vehicle::realise(vehicle, table, file.box);
+    idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle.radio, 0));
+    fraction = file.throttle < 0 ? file.thrust
+                                 : vehicle::thrustFraction(parameters.quadratic_share,
+                                                           vehicle::motorOutput(vehicle.radio, file.throttle));
+    common::OutputFiles files;
+    files.reads({file.file, vehicle.file, vehicle.arm.density_file, vehicle.arm.table_file}, "a file of the trial");
+    files.fills(options.folder, "--output");
+    for (const char* name : {"series.csv", "series.h5", "summary.json", "checkpoint.bin"}) {
+      files.writes(path(name), "--output");
+    }
+  }
+  std::string path(const std::string& name) const { return options.folder + "/" + name; }
+  std::string hash() const {
+    return common::sha256(common::version() + ";" + file.sha256 + ";" + vehicle.sha256 + ";" +
+                          common::sha256OfFile(vehicle.arm.density_file) + ";" +
+                          common::sha256OfFile(vehicle.arm.table_file));
+  }
+
+  const Options& options;
+  motion::TrialFile file;
+  vehicle::Vehicle vehicle;
+  vehicle::ForceTable table;
+  vehicle::VehicleParameters parameters;
+  double idle = 0, fraction = 0;
+};
+
+double cpuSeconds() {
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  return use.ru_utime.tv_sec + use.ru_stime.tv_sec + 1e-6 * (use.ru_utime.tv_usec + use.ru_stime.tv_usec);
+}
+
+ordered_json headOf(const Work& work) {
+  return {{"trial", work.file.name},
+          {"trial_file", work.file.file},
+          {"trial_sha256", work.file.sha256},
+          {"inputs", inputsJson(work.vehicle, work.vehicle.arm.table_file)},
+          {"rung", motion::rungName(work.file.rung)},
+          {"surroundings", trialJson(work.file.trial)},
+          {"pulse",
+           {{"thrust_fraction", work.fraction},
+            {"throttle", work.file.throttle < 0 ? std::nan("") : work.file.throttle},
+            {"duration", work.file.duration}}}};
+}
+
+void writeSummary(const Work& work, ordered_json summary) {
+  common::writeFileAtomically(work.path("summary.json"), common::jsonText(summary));
+}
+
+int runLumped(const Work& work) {
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(work.vehicle, work.table, work.parameters, {},
+                                                               vehicle::wingTableOf(work.vehicle, work.table));
+  std::vector<motion::AxisSample> samples;
+  const auto observer = [&](const rom::LumpedState& s) {
+    motion::AxisSample& sample = samples.emplace_back();
+    sample.time = s.time, sample.travel = s.travel, sample.travel_rate = s.travelRate();
+    sample.ring_position = s.position, sample.ring_speed = s.ring_speed, sample.centre_speed = s.centre_speed;
+    sample.thrust = s.thrust;
+    return true;
+  };
+  const rom::SnapPrediction prediction =
+      model.predict(work.file.start, work.fraction, work.file.duration, work.file.trial, observer);
+  common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(samples));
+  ordered_json summary = headOf(work);
+  summary["outcome"] = predictionJson(prediction);
+  writeSummary(work, summary);
+  std::printf("%s: %s\n", work.file.name.c_str(), predictionLine(prediction).c_str());
+  return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
+}
+
+/// A rung without wings must not leave them out silently.
+void requireNoWings(const Work& work) {
+  if (rom::wingsAct(work.file.trial, work.vehicle.hasWing())) {
+    throw common::Error("wings is " + vehicle::wingsName(work.file.trial.wings) + " in " + work.file.file +
+                        ": they act in this trial, and rung " + motion::rungName(work.file.rung) +
+                        " has none; allowed: wings: off, or rung: lumped");
+  }
+}
+
+class Progress {
+ public:
+  Progress(const Work& work, double last) : work_(work), last_(last) {}
+  bool operator()(const motion::AxisRun& run) {
+    const auto now = Clock::now();
+    if (!work_.options.quiet && now - shown_ > std::chrono::milliseconds(500)) {
+      shown_ = now;
+      const double seconds = std::chrono::duration<double>(now - begin_).count();
+      const double done = run.state.time - from_;
+      std::fprintf(stderr, "\r%.3f of at most %.3f s, travel %.1f mm, %.0f s left at most ", run.state.time, last_,
+                   1e3 * run.samples.back().travel, done > 0 ? seconds * (last_ - run.state.time) / done : 0.0);
+      std::fflush(stderr);
+    }
+    return !InterruptGuard::interrupted();
+  }
+  void startsAt(double time) { from_ = time; }
+  void end() const {
+    if (!work_.options.quiet) std::fprintf(stderr, "\n");
+  }
+
+ private:
+  const Work& work_;
+  double last_, from_ = 0;
+  Clock::time_point begin_ = Clock::now(), shown_ = begin_;
+};
+
+ordered_json outcomeJson(const motion::AxisOutcome& o) {
+  return {{"start_mode", vehicle::modeName(o.start_mode)},
+          {"end_mode", vehicle::modeName(o.end_mode)},
+          {"snapped", o.snapped},
+          {"start_held", o.start_held},
+          {"snap_time", o.snap_time},
+          {"settle_time", o.settle_time},
+          {"peak_travel", o.peak_travel},
+          {"least_travel", o.least_travel},
+          {"end_travel", o.end_travel},
+          {"end_speed", o.end_speed},
+          {"peak_speed", o.peak_speed},
+          {"largest_imbalance", o.largest_imbalance},
+          {"steps", o.steps},
+          {"iterations", o.iterations},
+          {"factorizations", o.factorizations}};
+}
+
+ordered_json modelJson(const Work& work, const motion::AxisVehicle& vehicle) {
+  const motion::TrialFile& f = work.file;
+  const motion::StaticCurve& curve = vehicle.curve();
+  return {{"cells", vehicle.cellCount()},
+          {"free_coordinates", vehicle.freeCount()},
+          {"kernel", scene::kernelName(f.axis.kernel)},
+          {"cell_size", f.axis.cell_size},
+          {"scheme", motion::schemeName(f.scheme)},
+          {"largest_step", f.steps.largest_step},
+          {"step_error", f.steps.error},
+          {"damping", motion::dampingName(f.axis.damping)},
+          {"damping_of_travel", work.parameters.damping},
+          {"arms_mass", vehicle.armMass()},
+          {"static_barrier", curve.barrier()},
+          {"static_valley_force", curve.valleyForce() / vehicle.shareOfVehicle()},
+          {"static_second_equilibrium", curve.second()},
+          {"left_out", vehicle.leftOut()}};
+}
+
+void writeRecord(const Work& work, const motion::AxisVehicle& vehicle, const motion::AxisRun& run,
+                 const ordered_json& summary) {
+  common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(run.samples));
+  motion::saveSeries(run.samples, vehicle.curve(), 1 / vehicle.shareOfVehicle(),
+                     {{"trial", work.file.name},
+                      {"trial_sha256", work.file.sha256},
+                      {"vehicle_sha256", work.vehicle.sha256},
+                      {"rung", motion::rungName(work.file.rung)},
+                      {"snapwing_version", common::version()}},
+                     work.path("series.h5"));
+  if (work.options.vtu) common::writeFileAtomically(work.path("end.vtu"), vehicle.vtu(run.state));
+  writeSummary(work, summary);
+}
+
+void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
+  const motion::AxisOutcome& o = run.outcome;
+  std::printf("%s, %s rung: from %s ", work.file.name.c_str(), motion::rungName(work.file.rung).c_str(),
+              vehicle::modeName(o.start_mode).c_str());
+  if (o.end_mode == vehicle::Mode::UNKNOWN) {
+    std::printf("to no settled mode within the horizon");
+  } else {
+    std::printf("%s %s", o.snapped ? "switched to" : "stayed in", vehicle::modeName(o.end_mode).c_str());
+  }
+  if (std::isfinite(o.snap_time)) std::printf(", last crossed the barrier at %.2f ms", 1e3 * o.snap_time);
+  std::printf("; travel %.2f .. %.2f mm; scheme's imbalance at most %.2g mJ\n", 1e3 * o.least_travel,
+              1e3 * o.peak_travel, 1e3 * o.largest_imbalance);
+  std::printf("%d steps, %d iterations, %d factorizations, %.2f CPU seconds\n", o.steps, o.iterations, o.factorizations,
+              cpu);
+  if (!o.start_held) std::printf("note: the start mode is no equilibrium under the loads before the pulse\n");
+}
+
+int runSolid(const Work& work) {
+  requireNoWings(work);
+  const double cpu_before = cpuSeconds();
+  motion::AxisSettings axis = work.file.axis;
+  axis.threads = work.options.threads;
+  const motion::AxisVehicle vehicle(work.vehicle, work.parameters, work.file.trial, axis);
+  const motion::AxisTrial trial = motion::AxisTrial::of(work.file.start, work.fraction, work.file.duration,
+                                                        work.parameters, work.idle, work.file.trial);
+  motion::Stepper stepper(vehicle.problem(), motion::Scheme(work.file.scheme, work.file.points, work.file.bias),
+                          work.file.steps);
+  motion::AxisRun run;
+  const std::string checkpoint = work.path("checkpoint.bin");
+  if (std::filesystem::exists(checkpoint)) {
+    run = motion::loadTrialCheckpoint(checkpoint, work.hash());
+    std::fprintf(stderr, "goes on at %.4f s from %s\n", run.state.time, checkpoint.c_str());
+  }
+  Progress progress(work, trial.latency + trial.duration + trial.horizon);
+  progress.startsAt(run.state.time);
+  const InterruptGuard guard;
+  motion::AxisRunHooks hooks;
+  hooks.stepped = [&](const motion::AxisRun& now) { return progress(now); };
+  hooks.keep = [&](const motion::AxisRun& now) { motion::saveTrialCheckpoint(now, work.hash(), checkpoint); };
+  const bool ended = motion::runTrial(vehicle, stepper, trial, run, hooks);
+  progress.end();
+  const double cpu = cpuSeconds() - cpu_before;
+  ordered_json summary = headOf(work);
+  summary["model"] = modelJson(work, vehicle);
+  summary["outcome"] = outcomeJson(run.outcome);
+  summary["ended"] = ended;
+  summary["cpu_seconds"] = {{"all", cpu},
+                            {"assembly", stepper.secondsAssembly()},
+                            {"factor", stepper.secondsFactor()},
+                            {"solve", stepper.secondsSolve()}};
+  writeRecord(work, vehicle, run, summary);
+  if (!ended) {
+    std::fprintf(stderr, "stopped at %.4f s; the same command goes on from the last checkpoint\n", run.state.time);
+    return 1;
+  }
+  std::filesystem::remove(checkpoint);
+  printOutcome(work, run, cpu);
+  for (const std::string& what : vehicle.leftOut()) std::printf("left out: %s\n", what.c_str());
+  return run.outcome.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
+}
+
+}  // namespace
+
+void addTrialCommand(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("trial", "simulate one pulse: by tables, by one soft arm in the plane, or as a solid");
+  command->add_option("trial", options->file, "trial file [YAML]")->required();
+  command->add_option("-o,--output", options->folder, "folder for series, summary and checkpoint")->required();
+  command->add_option("--threads", options->threads, "of assembly; the bits do not depend on it")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("--vtu", options->vtu, "also write the deformed arm at the end, for ParaView");
+  command->add_flag("-q,--quiet", options->quiet, "No progress");
+  command->footer(
+      "Exit code: 0 settled in F or Q, 1 not settled or stopped, 2 bad input. The same command goes on "
+      "with a run that was stopped.");
+  command->callback([options, &exit_code] {
+    const Work work(*options);
+    common::makeFolder(options->folder);
+    exit_code = work.file.rung == motion::TrialRung::LUMPED ? runLumped(work) : runSolid(work);
+  });
+}
+
+}  // namespace snapwing::tools

@@ -1,0 +1,26 @@
+#pragma once
+/// Problems of one or two masses on an axis, for schemes.
+
+#include <memory>
+#include <vector>
+
+#include "snapwing/motion/stepper.h"
+#include "snapwing/solver/row_terms.h"
+
+namespace snapwing::test {
+
+/// Full coordinates that are all free, without solids.
+inline std::shared_ptr<const solver::TermProblem> pointMasses(
+    int coordinates, const std::vector<std::shared_ptr<const solver::Term>>& terms, int controls = 0) {
+  auto free = std::make_shared<const solver::Coordinates>(solver::Reduction(coordinates, controls, {}));
+  return std::make_shared<const solver::TermProblem>(
+      solver::TermProblem::Parts{solver::HessianLayout(coordinates), free, terms, 1, 1e-13, 0});
+}
+
+inline solver::Row only(int coordinate) { return solver::Row({{coordinate, 1.0}}); }
+
+inline motion::ControlOf nothing() {
+  return [](double, double) { return Eigen::VectorXd(); };
+}
+
+}  // namespace snapwing::test
