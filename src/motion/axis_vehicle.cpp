@@ -248,11 +248,17 @@ MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) co
     return stepper.start(problem_->coordinates().linear().freePart(full), load, trial_.initial_speed * together);
   };
   MotionState state = at(y);
+  double acceleration = 0;  // of the whole
   for (int k = 0; k < STEPS; ++k) {
-    stepper.step(state, H, control);
-    // Back to where the ring was, and to the speed of before.
-    state = at(state.y - ringPosition(state) * together);
+    // So much slower at the step's start that it has the initial speed in the step: drag is that of the start.
+    MotionState from = at(state.y - ringPosition(state) * together);
+    from.v -= H * acceleration * together;
+    from.kinetic = stepper.kineticEnergy(from.v);
+    stepper.step(from, H, control);
+    if (ring_ >= 0) acceleration += (ringSpeed(from) - trial_.initial_speed) / H;
+    state = from;
   }
+  state = at(state.y - ringPosition(state) * together);
   const double found = travel(state);
   const bool exists = mode == vehicle::Mode::FIXED_WING ? found < curve_->barrier() : found > curve_->barrier();
   if (held != nullptr) *held = exists;

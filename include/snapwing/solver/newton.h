@@ -1,9 +1,9 @@
 #pragma once
 /// Newton's method on the potential of a problem, with the exact tangent, projection on demand and a line search.
 ///
-/// Converged: |r| <= max(relative_tolerance * force_scale, 10 rounding, forceFloor()). A step d solves H d = -r with the exact H;
-/// only if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps are shortened
-/// until the potential falls (Armijo) and no particle is turned inside out.
+/// Converged: |r| <= max(relative_tolerance * force_scale, 10 rounding, forceFloor()). A step d solves H d = -r with
+/// the exact H; only if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps
+/// are shortened until the potential falls (Armijo) and no particle is turned inside out.
 
 #include <functional>
 #include <string>

@@ -1,0 +1,111 @@
+// Damping laws of the material through the battery of terms; what each does to rigid motions and along a snap.
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/elasticity/neo_hookean.h"
+#include "snapwing/solver/material_damping.h"
+#include "support/term_check.h"
+
+namespace snapwing::motion {
+namespace {
+
+using solver::LaggedTangent;
+
+template <int D>
+std::shared_ptr<const mpm::Discretisation<D>> block() {
+  auto solid = std::make_shared<mpm::Discretisation<D>>();
+  mpm::Grid<D> grid;
+  grid.kernel = mpm::Kernel::LINEAR;
+  grid.cell_size = 0.01;
+  grid.cells[0] = 3, grid.cells[1] = 2;
+  if constexpr (D == 3) grid.cells[2] = 1;
+  const int model = solid->addModel(std::make_shared<elasticity::NeoHookean<D>>(
+      elasticity::Material{5.5e6, 0.45, 1200}, elasticity::DensityInterpolation{}, elasticity::Plane::STRESS));
+  const int rule = solid->addRule(mpm::gaussRule(grid, 2));
+  const int kind = solid->addKind({{rule, model}});
+  solid->addBody(grid);
+  for (int c = 0; c < grid.cellCount(); ++c) solid->addCell(grid.cellIndex(c), {kind, 1.0, std::pow(0.01, D)});
+  solid->finish();
+  return solid;
+}
+
+Eigen::VectorXd wavy(int size, double phase) {
+  return Eigen::VectorXd::NullaryExpr(size, [&](Eigen::Index k) { return 6e-4 * std::sin(1.7 * k + phase); });
+}
+
+/// A term with what it kept of a start, as the battery's plain term.
+class Kept : public solver::Term {
+ public:
+  Kept(const solver::Term& of, const Eigen::VectorXd& start) : of_(of) {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
+    kept_ = of.keep({start, none});
+  }
+  std::string name() const override { return of_.name(); }
+  Role role() const override { return of_.role(); }
+  int region() const override { return of_.region(); }
+  void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override {
+    solver::Point with = at;
+    with.kept = kept_.get();
+    of_.evaluate(with, order, sum);
+  }
+
+ private:
+  const solver::Term& of_;
+  std::shared_ptr<const solver::Memory> kept_;
+};
+
+template <int D>
+void checkLaw(const solver::Term& law, const mpm::Discretisation<D>& solid) {
+  solver::Step step;
+  step.h = 2e-3, step.kappa = 5e5;
+  step.y0 = wavy(solid.dofCount(), 0.3);
+  step.v0 = Eigen::VectorXd::Zero(solid.dofCount());
+  test::TermCase c{solver::HessianLayout(solid.dofCount()), {}};
+  c.layout.addRegion(0, solid.pattern());
+  c.y = {wavy(solid.dofCount(), 0.0), wavy(solid.dofCount(), 1.2)};
+  c.step = &step;
+  checkTerm(Kept(law, step.y0), c);
+}
+
+TEST(MaterialDamping, LawsAreTerms) {
+  const auto plane = block<2>();
+  const auto space = block<3>();
+  const auto mass = std::make_shared<const mpm::Mass<2>>(*plane, std::vector<double>{1200.0});
+  checkLaw<2>(solver::RayleighTerm<2>(plane, mass, 3.0, 2e-3, LaggedTangent::EXACT), *plane);
+  checkLaw<2>(solver::RayleighTerm<2>(plane, nullptr, 0, 2e-3, LaggedTangent::PROJECTED), *plane);
+  checkLaw<3>(solver::RayleighTerm<3>(space, nullptr, 0, 2e-3, LaggedTangent::EXACT), *space);
+  checkLaw<2>(solver::KelvinVoigtTerm<2>(plane, 2e-3), *plane);
+  checkLaw<3>(solver::KelvinVoigtTerm<3>(space, 2e-3), *space);
+  EXPECT_THROW(solver::KelvinVoigtTerm<2>(plane, -1), common::Error);
+  EXPECT_THROW(solver::RayleighTerm<2>(plane, nullptr, 1, 0, LaggedTangent::EXACT), common::Error);
+}
+
+/// Kelvin-Voigt is objective: a block that turns loses nothing. Lagged Rayleigh brakes it.
+TEST(MaterialDamping, KelvinVoigtLetsABlockTurn) {
+  const auto solid = block<2>();
+  solver::Step step;
+  step.h = 1e-3;
+  step.y0 = Eigen::VectorXd::Zero(solid->dofCount());
+  step.v0 = step.y0;
+  Eigen::VectorXd turned(solid->dofCount());
+  for (int n = 0; n < solid->nodeCount(); ++n) {
+    const Eigen::Vector2d x = solid->position(n);
+    const double c = std::cos(0.3), s = std::sin(0.3);
+    turned.segment<2>(2 * n) = Eigen::Vector2d(c * x(0) - s * x(1), s * x(0) + c * x(1)) - x;
+  }
+  const auto energy = [&](const solver::Term& term) {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
+    const auto kept = term.keep({step.y0, none});
+    solver::HessianLayout layout(solid->dofCount());
+    layout.addRegion(0, solid->pattern());
+    solver::Sum sum;
+    sum.reset(layout, 1, solver::Order::ENERGY);
+    term.evaluate({turned, none, &step, 1, kept.get()}, solver::Order::ENERGY, sum);
+    return sum.energy;
+  };
+  EXPECT_LT(energy(solver::KelvinVoigtTerm<2>(solid, 1e-3)), 1e-12);
+  EXPECT_GT(energy(solver::RayleighTerm<2>(solid, nullptr, 0, 1e-3, LaggedTangent::EXACT)), 1e-3);
+}
+
+}  // namespace
+}  // namespace snapwing::motion
