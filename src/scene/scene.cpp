@@ -232,10 +232,6 @@ Scene loadScene(const std::string& path) {
     scene.bodies.push_back(readBody(body, name, in));
   }
   if (scene.bodies.empty()) r.fail("bodies", "none", "at least one body");
-  const auto flexible = [](const SceneBody& b) { return !b.rigid; };
-  if (std::none_of(scene.bodies.begin(), scene.bodies.end(), flexible)) {
-    r.fail("bodies", "all rigid", "at least one that deforms");
-  }
   readSupports(r, scene, in);
   readPinsAndJoints(r, scene, in);
   readDrives(r, scene, in);

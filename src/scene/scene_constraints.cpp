@@ -65,15 +65,15 @@ std::vector<solver::Equation> Constraints<D>::equations() const {
     }
   }
   std::size_t held = list.size();
-  const auto markTies = [&] {
-    for (; held < list.size(); ++held) list[held].tie = true;
+  const auto markKeepable = [&] {
+    for (; held < list.size(); ++held) list[held].keepable = true;
   };
   for (const ScenePort& port : scene_.ports) drive(port, list);
-  markTies();
+  markKeepable();
   for (const ScenePin& pin : scene_.pins) addPin(pin, list);
   held = list.size();
   for (const SceneJoint& joint : scene_.joints) addJoint(joint, list);
-  markTies();
+  markKeepable();
   return list;
 }
 
@@ -164,25 +164,18 @@ void Constraints<D>::moveRigidly(const RigidGroup& group, std::vector<solver::Eq
 }
 
 template <int D>
-std::vector<solver::Rotation> Constraints<D>::turnings(const std::vector<solver::Equation>& unresolved) const {
-  std::vector<std::vector<solver::Equation>> of_group(groups_.size());
-  for (const solver::Equation& equation : unresolved) {
-    const int group = (equation.terms.front().first - keptFrom()) / (D * D);
-    const int last = (equation.terms.back().first - keptFrom()) / (D * D);
-    if (group != last) {
-      throw common::Error("'" + equation.name + "' closes a chain of rigid parts ('" + groups_[group].name + "', '" +
-                          groups_[last].name + "'); allowed: chains that are open, or with a flexible body in them");
-    }
-    if (!equation.control.empty() || std::abs(equation.constant) > 1e-12) {
-      throw common::Error("'" + equation.name + "' would drive the rotation of the rigid '" + groups_[group].name +
-                          "'; allowed: ports that move rigid bodies without turning them, or through a flexible body");
-    }
-    of_group[group].push_back(equation);
-  }
+solver::SplitEquations Constraints<D>::split(const std::vector<solver::Equation>& list) const {
+  return solver::splitEquations(dofCount(), 1, list, scene_.drive != solver::Drive::ELIMINATION, keptFrom(),
+                                static_cast<int>(groups_.size()), D * D);
+}
+
+template <int D>
+std::vector<solver::Rotation> Constraints<D>::turnings(
+    const std::vector<std::vector<solver::Equation>>& of_rotation) const {
   std::vector<solver::Rotation> result;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     result.push_back(groups_[g].turning);
-    result.back().axes = solver::openAxes<D>(result.back(), of_group[g], result.back().axes, groups_[g].name);
+    result.back().axes = solver::openAxes<D>(result.back(), of_rotation[g], result.back().axes, groups_[g].name);
   }
   return result;
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene_cells.h"
-#include "snapwing/solver/reduction.h"
+#include "snapwing/solver/constraints.h"
 #include "snapwing/solver/rotation.h"
 
 namespace snapwing::scene {
@@ -47,9 +47,11 @@ class Constraints {
   int dofCount() const { return keptFrom() + D * D * static_cast<int>(groups_.size()); }
   /// First dof that may not be eliminated: the entries of the rigid groups' rotations.
   int keptFrom() const { return solid_.dofCount() + D * static_cast<int>(groups_.size()); }
-  /// How the rigid groups may turn, given what the reduction left open of their rotations.
-  /// @throws common::Error for what cannot be told: closed chains of rigid bodies, driven rotations
-  std::vector<solver::Rotation> turnings(const std::vector<solver::Equation>& unresolved) const;
+  /// Into what is eliminated and what is kept, as the scene enforces them.
+  solver::SplitEquations split(const std::vector<solver::Equation>& list) const;
+  /// How the rigid groups may turn, given what equations say of each one's rotation.
+  /// @throws common::Error for what cannot be told
+  std::vector<solver::Rotation> turnings(const std::vector<std::vector<solver::Equation>>& of_rotation) const;
 
  private:
   void addGroup(const std::string& name, int body, std::vector<int> nodes, std::vector<Eigen::Vector3d> axes);

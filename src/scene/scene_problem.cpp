@@ -10,7 +10,6 @@
 #include "snapwing/common/error.h"
 #include "snapwing/solver/inertia_term.h"
 #include "snapwing/solver/load_term.h"
-#include "snapwing/solver/tied_problem.h"
 
 namespace snapwing::scene {
 
@@ -32,30 +31,21 @@ class CompiledSceneOf : public CompiledScene {
     }
     if (symmetry_.empty()) symmetry_ = "none";
     const Constraints<D> constraints(scene_, cells);
-    const std::vector<solver::Equation> equations = constraints.equations();
-    std::vector<solver::Equation> eliminated = equations;
-    if (scene.drive != solver::Drive::ELIMINATION) {
-      const auto tie = [](const solver::Equation& e) { return e.tie; };
-      eliminated.erase(std::remove_if(eliminated.begin(), eliminated.end(), tie), eliminated.end());
-    }
-    solver::Reduction reduction(constraints.dofCount(), 1, eliminated, constraints.keptFrom());
-    std::vector<solver::Rotation> turnings = constraints.turnings(reduction.unresolved());
+    solver::SplitEquations split = constraints.split(constraints.equations());
+    std::vector<solver::Rotation> turnings = constraints.turnings(split.of_rotation);
     rigid_ = !turnings.empty();
-    auto coordinates = std::make_shared<const solver::Coordinates>(std::move(reduction), D, std::move(turnings));
+    auto coordinates = std::make_shared<const solver::Coordinates>(split.eliminated, D, std::move(turnings));
     solver::TermProblem::Parts parts = solver::solidParts<D>(cells_, std::move(coordinates), threads, forceFloor());
     const Eigen::VectorXd constant = constraints.constantLoad();
     loads_ = std::make_shared<const solver::LoadTerm>(constant.isZero(0) ? Eigen::VectorXd() : constant,
                                                       constraints.loads());
     weight_ = std::make_shared<Weight<D>>(scene_, cells);
     parts.terms.insert(parts.terms.end(), {loads_, weight_});
+    if (split.kept.count() > 0) parts.constraints = keep(std::move(split.kept), parts);
     problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
-    if (scene.drive != solver::Drive::ELIMINATION) tie(equations);
   }
 
-  const solver::Problem& problem() const override {
-    if (tied_) return *tied_;
-    return *problem_;
-  }
+  const solver::Problem& problem() const override { return *problem_; }
   const solver::TermProblem& terms() const override { return *problem_; }
   std::shared_ptr<const solver::TermProblem> sharedTerms() const override { return problem_; }
   std::shared_ptr<const solver::Term> inertia(mpm::MassKind kind) const override {
@@ -104,7 +94,7 @@ class CompiledSceneOf : public CompiledScene {
       throw common::Error("scene '" + scene_.name +
                           "' has rigid bodies or cylinder pins; allowed for sensitivities: scenes without");
     }
-    SensitivityParts<D> parts{scene_, mirror_, *problem_, *cells_, *loads_, *weight_, tied_.get(), {}};
+    SensitivityParts<D> parts{scene_, mirror_, *problem_, *cells_, *loads_, *weight_, {}};
     const int dofs = cells_->dofCount();
     parts.monitors = Eigen::MatrixXd::Zero(dofs, static_cast<int>(scene_.monitors.size()));
     for (int k = 0; k < parts.monitors.cols(); ++k) {
@@ -129,17 +119,28 @@ class CompiledSceneOf : public CompiledScene {
     return density;
   }
 
-  /// Ports and joints as equations beside the problem.
-  void tie(const std::vector<solver::Equation>& equations) {
-    if (rigid_) {
-      throw common::Error("drive is '" + solver::driveName(scene_.drive) +
-                          "' in a scene with rigid bodies or cylinder pins, whose rotation makes ties nonlinear; "
-                          "allowed: elimination");
-    }
+  /// What a penalty is measured against: of bodies that deform, else what loads at a lever's end resist with.
+  double stiffnessAtRest(const solver::TermProblem& problem) const {
+    const double elastic = solver::meanStiffness(problem);
+    if (elastic > 0) return elastic;
+    solver::Evaluation rest;
+    problem.evaluate(Eigen::VectorXd::Zero(problem.freeCount()), Eigen::VectorXd::Zero(1), solver::Order::STRESS, rest);
+    return rest.force_scale > 0 ? rest.force_scale / scene_.cell_size : 1;
+  }
+
+  /// Equations beside the terms.
+  std::shared_ptr<const solver::Constraints> keep(solver::LinearRows rows,
+                                                  const solver::TermProblem::Parts& parts) const {
     constexpr double PENALTY = 100, GAP = 1e-10;  // of the mean stiffness of a node, of a cell
-    tied_ = std::make_unique<solver::TiedProblem>(
-        problem_, solver::makeTies(cells_->dofCount(), 1, equations, problem_->coordinates().linear()), scene_.drive,
-        PENALTY * solver::meanStiffness(*problem_), GAP * scene_.cell_size);
+    constexpr double CURVED = 1;     // in the place of PENALTY: a steep valley that bends takes small steps
+    constexpr double TRAVEL = 0.01;  // cells
+    const solver::Drive enforcement =
+        scene_.drive == solver::Drive::ELIMINATION ? solver::Drive::MULTIPLIERS : scene_.drive;
+    const bool curved = enforcement == solver::Drive::MULTIPLIERS && parts.coordinates->rotationCount() > 0;
+    const double stiffness = stiffnessAtRest(solver::TermProblem(parts));
+    const int redundant = solver::redundantRows(*parts.coordinates, rows, TRAVEL * scene_.cell_size);
+    return std::make_shared<const solver::Constraints>(
+        std::move(rows), enforcement, (curved ? CURVED : PENALTY) * stiffness, GAP * scene_.cell_size, redundant);
   }
 
   Eigen::VectorXd displacements(const Eigen::VectorXd& z, double p) const {
@@ -198,7 +199,6 @@ class CompiledSceneOf : public CompiledScene {
   std::shared_ptr<const solver::LoadTerm> loads_;
   std::shared_ptr<Weight<D>> weight_;
   bool rigid_ = false;
-  std::unique_ptr<solver::TiedProblem> tied_;  ///< if ports and joints are kept as equations
 };
 
 }  // namespace

@@ -6,31 +6,21 @@
 
 namespace snapwing::scene {
 
-namespace {
-
-const solver::Problem& problemOf(const solver::TiedProblem* tied, const solver::Problem& solid) {
-  return tied != nullptr ? static_cast<const solver::Problem&>(*tied) : solid;
-}
-
-}  // namespace
-
 template <int D>
 SceneSensitivityOf<D>::SceneSensitivityOf(SensitivityParts<D> parts, const solver::Equilibrium& x)
-    : parts_(std::move(parts)),
-      x_(x),
-      cholesky_(problemOf(parts_.tied, parts_.problem).pattern()),
-      system_(problemOf(parts_.tied, parts_.problem), cholesky_) {
-  if (system_.factorize(x_.at.hessian) < 0) {
+    : parts_(std::move(parts)), x_(x), cholesky_(parts_.problem.pattern()), system_(parts_.problem, cholesky_) {
+  if (system_.factorize(x_.at) < 0) {
     throw common::Error("sensitivities do not exist at control " + std::to_string(x_.p(0)) +
                         ": the Hessian is singular there (a limit point, a bifurcation or a free motion)");
   }
   Eigen::VectorXd load, control_part;
-  problemOf(parts_.tied, parts_.problem).controlTangent(x_.at, Eigen::VectorXd::Ones(1), load, control_part);
+  parts_.problem.controlTangent(x_.at, Eigen::VectorXd::Ones(1), load, control_part);
+  const solver::Constraints* constraints = parts_.problem.constraints();
   Eigen::VectorXd driven;
-  if (parts_.tied != nullptr) driven = parts_.tied->ties().control.col(0);
+  if (constraints != nullptr) driven = constraints->control().col(0);
   system_.solve(-load, driven, slope_, multiplier_slope_);
-  if (parts_.tied == nullptr) return;
-  force_ = x_.multipliers + parts_.tied->penalty() * parts_.tied->gap(x_.z, x_.p);
+  if (constraints == nullptr) return;
+  force_ = x_.multipliers + constraints->penalty() * x_.at.gap;
   moveJoints();
 }
 
@@ -39,15 +29,15 @@ void SceneSensitivityOf<D>::moveJoints() {
   for (int joint = 0; joint < static_cast<int>(parts_.scene.joints.size()); ++joint) {
     if (parts_.scene.joints[joint].kind == JointKind::FACE) continue;
     joints_.push_back(joint);
-    for (const int axis : {0, 1}) rows_.push_back(movedTies(joint, axis));
+    for (const int axis : {0, 1}) rows_.push_back(movedRows(joint, axis));
   }
 }
 
 template <int D>
-solver::Ties SceneSensitivityOf<D>::movedTies(int joint, int axis) const {
+solver::LinearRows SceneSensitivityOf<D>::movedRows(int joint, int axis) const {
   constexpr double SHARE = 1e-3;  // of a cell
   const double step = SHARE * parts_.scene.cell_size;
-  solver::Ties at[2];
+  solver::LinearRows at[2];
   for (const int side : {0, 1}) {
     Scene moved = parts_.scene;
     SceneJoint& place = moved.joints[joint];
@@ -56,14 +46,14 @@ solver::Ties SceneSensitivityOf<D>::movedTies(int joint, int axis) const {
     place.from(axis) += by;
     place.to(axis) += by;
     const SceneCells<D> cells(moved, parts_.mirror);
-    at[side] = solver::makeTies(parts_.solid.dofCount(), 1, Constraints<D>(moved, cells).equations(),
-                                parts_.problem.coordinates().linear());
-    if (at[side].equation != parts_.tied->ties().equation) {
+    const Constraints<D> constraints(moved, cells);
+    at[side] = constraints.split(constraints.equations()).kept;
+    if (at[side].equation != parts_.problem.constraints()->linear().equation) {
       throw common::Error("joint '" + place.name + "' lies within " + std::to_string(step) +
-                          " m of the edge of a body or of another tie: it has no derivative by its place");
+                          " m of the edge of a body or of another constraint: it has no derivative by its place");
     }
   }
-  at[1].rows = Eigen::SparseMatrix<double, Eigen::RowMajor>((at[1].rows - at[0].rows) / (2 * step));
+  at[1].rows = solver::ConstraintRows((at[1].rows - at[0].rows) / (2 * step));
   at[1].control = (at[1].control - at[0].control) / (2 * step);
   at[1].constant = (at[1].constant - at[0].constant) / (2 * step);
   return at[1];
@@ -87,10 +77,11 @@ template <int D>
 SceneSlope SceneSensitivityOf<D>::reaction() const {
   SceneSlope result;
   result.density = densitySlope(nodal(slope_, 1));
+  const Eigen::VectorXd along = parts_.problem.coordinates().push(x_.at.place, slope_, Eigen::VectorXd::Ones(1));
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    result.joint(k / 2, k % 2) =
-        multiplier_slope_.dot(rows_[k].gap(x_.z, x_.p)) + force_.dot(rows_[k].rows * slope_ - rows_[k].control.col(0));
+    result.joint(k / 2, k % 2) = multiplier_slope_.dot(rows_[k].residual(x_.at.place.y, x_.p)) +
+                                 force_.dot(rows_[k].rows * along - rows_[k].control.col(0));
   }
   return result;
 }
@@ -101,7 +92,7 @@ SceneSlope SceneSensitivityOf<D>::potential() const {
   result.density = parts_.problem.densityDerivative(x_.at, nullptr, parts_.solid.cellCount());
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    result.joint(k / 2, k % 2) = force_.dot(rows_[k].gap(x_.z, x_.p));
+    result.joint(k / 2, k % 2) = force_.dot(rows_[k].residual(x_.at.place.y, x_.p));
   }
   return result;
 }
@@ -115,9 +106,10 @@ SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) co
   system_.solve(reduction.restrictToFree(all), closed, w, nu);
   SceneSlope result;
   result.density = -densitySlope(nodal(w, 0));
+  const Eigen::VectorXd moved = parts_.problem.coordinates().push(x_.at.place, w, Eigen::VectorXd::Zero(1));
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    result.joint(k / 2, k % 2) = -force_.dot(rows_[k].rows * w) - nu.dot(rows_[k].gap(x_.z, x_.p));
+    result.joint(k / 2, k % 2) = -force_.dot(rows_[k].rows * moved) - nu.dot(rows_[k].residual(x_.at.place.y, x_.p));
   }
   return result;
 }

@@ -20,7 +20,6 @@ struct SensitivityParts {
   const mpm::Discretisation<D>& solid;
   const solver::LoadTerm& loads;
   const Weight<D>& weight;
-  const solver::TiedProblem* tied;  ///< null: everything is eliminated
   /// Gradients of the monitors by the nodal displacements at the equilibrium, (dofs x monitors).
   Eigen::MatrixXd monitors;
 };
@@ -41,8 +40,8 @@ class SceneSensitivityOf : public SceneSensitivity {
 
  private:
   void moveJoints();
-  /// d(rows, control, constant) of the ties by a joint's coordinate.
-  solver::Ties movedTies(int joint, int axis) const;
+  /// d(rows, control, constant) of the kept equations by a joint's coordinate.
+  solver::LinearRows movedRows(int joint, int axis) const;
   /// Total derivative of a functional of the displacements: `gradient` by the nodes, at fixed theta.
   SceneSlope functional(const Eigen::VectorXd& gradient) const;
   /// d(r . v)/drho_c of the nodal residual r = dE/du - l, (cells x 1) [N m].
@@ -54,9 +53,9 @@ class SceneSensitivityOf : public SceneSensitivity {
   solver::Cholesky cholesky_;
   solver::TangentSystem system_;
   Eigen::VectorXd slope_, multiplier_slope_;  ///< dz/dp, dlambda/dp
-  Eigen::VectorXd force_;                     ///< of the ties: lambda + rho g
+  Eigen::VectorXd force_;                     ///< of the kept equations: lambda + rho g
   std::vector<int> joints_;
-  std::vector<solver::Ties> rows_;  ///< two per joint
+  std::vector<solver::LinearRows> rows_;  ///< two per joint
 };
 
 }  // namespace snapwing::scene

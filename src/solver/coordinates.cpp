@@ -32,6 +32,7 @@ Coordinates::Coordinates(Reduction linear, int dimension, std::vector<Rotation> 
   std::map<int, int> inner_of_dof;
   for (int w = 0; w < linear_.freeCount(); ++w) inner_of_dof[linear_.dofOfFree(w)] = w;
   plain_.assign(linear_.freeCount(), 0);
+  entry_of_.assign(linear_.freeCount(), {-1, -1});
   for (Rotation& rotation : rotations) {
     Group group;
     group.rotation = std::move(rotation);
@@ -43,6 +44,7 @@ Coordinates::Coordinates(Reduction linear, int dimension, std::vector<Rotation> 
       }
       group.inner.push_back(found->second);
       plain_[group.inner.back()] = -1;
+      entry_of_[group.inner.back()] = {static_cast<int>(groups_.size()), e};
     }
     groups_.push_back(std::move(group));
   }
@@ -109,6 +111,37 @@ Eigen::VectorXd Coordinates::pullBackInner(const Eigen::VectorXd& inner,
 Eigen::VectorXd Coordinates::pullBack(const Place& at, const Eigen::VectorXd& full) const {
   Eigen::VectorXd inner = linear_.restrictToFree(full);
   return groups_.empty() ? inner : pullBackInner(inner, at.rotations);
+}
+
+ConstraintRows Coordinates::pullBack(const Place& at, const ConstraintRows& rows) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int row = 0; row < rows.rows(); ++row) {
+    for (ConstraintRows::InnerIterator own(rows, row); own; ++own) {
+      for (const auto& [w, factor] : linear_.terms(static_cast<int>(own.col()))) {
+        const double value = own.value() * factor;
+        if (plain_.empty() || plain_[w] >= 0) {
+          entries.emplace_back(row, plain_.empty() ? w : plain_[w], value);
+          continue;
+        }
+        const auto& [rotation, entry] = entry_of_[w];
+        const Group& g = groups_[rotation];
+        for (int k = 0; k < g.params(); ++k) {
+          entries.emplace_back(row, g.first + k, value * at.rotations[rotation].slope(entry, k));
+        }
+      }
+    }
+  }
+  ConstraintRows result(rows.rows(), free_);
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+Eigen::VectorXd Coordinates::rotationLengths() const {
+  Eigen::VectorXd lengths(groups_.empty() ? 0 : free_ - groups_.front().first);
+  for (const Group& g : groups_) {
+    lengths.segment(g.first - groups_.front().first, g.params()).setConstant(g.rotation.length);
+  }
+  return lengths;
 }
 
 Eigen::VectorXd Coordinates::pullBackMean(const Place& start, const Place& end, const Eigen::VectorXd& full) const {
@@ -182,6 +215,14 @@ void HessianPullBack::buildInner(const HessianLayout& layout) {
       }
     }
   });
+  // Coordinates that no energy knows have their place on the diagonal as well.
+  std::vector<bool> known(linear.freeCount(), false);
+  for (const Entry& entry : entries) {
+    if (entry.row == entry.column) known[entry.row] = true;
+  }
+  for (int w = 0; w < linear.freeCount(); ++w) {
+    if (!known[w]) entries.push_back({w, w, -1, 1.0});
+  }
   std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
     return a.column != b.column ? a.column < b.column : a.row < b.row;
   });

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
+#include "snapwing/common/error.h"
 #include "snapwing/solver/conjugate_gradients.h"
 
 namespace snapwing::solver {
@@ -33,8 +35,8 @@ NewtonResult exhausted(double residual, NewtonResult result) {
 
 /// Stiff pieces that turn far are steered by their own compression, which projection takes away: near a dead point of a
 /// mechanism the exact tangent with a little of the unit matrix needs half the iterations.
-bool factorizeShifted(TangentSystem& system, const SparsePattern& pattern, std::vector<double> hessian,
-                      NewtonResult& result) {
+bool factorizeShifted(TangentSystem& system, const SparsePattern& pattern, const Evaluation& at, NewtonResult& result) {
+  std::vector<double> hessian = at.hessian;
   double largest = 0;
   for (int c = 0; c < pattern.size; ++c) largest = std::max(largest, std::abs(hessian[pattern.start[c]]));
   double before = 0;
@@ -42,116 +44,116 @@ bool factorizeShifted(TangentSystem& system, const SparsePattern& pattern, std::
     for (int c = 0; c < pattern.size; ++c) hessian[pattern.start[c]] += shift - before;
     before = shift;
     ++result.factorizations;
-    if (system.factorizeDefinite(hessian)) return true;
+    if (system.factorizeDefinite(hessian, at.rows)) return true;
   }
   return false;
 }
 
 }  // namespace
 
-bool TangentSystem::factorizeDefinite(const std::vector<double>& hessian) {
-  return cholesky_.factorize(hessian) && formSchur() == 0;
-}
-
-int TangentSystem::factorize(const std::vector<double>& hessian) {
-  if (cholesky_.factorize(hessian)) return formSchur() == 0 ? 0 : -1;
-  const int negative = cholesky_.factorizeIndefinite(hessian);
-  if (negative < 0) return -1;
-  const int of_ties = formSchur();
-  return of_ties < 0 || of_ties > negative ? -1 : negative - of_ties;
-}
-
-/// @return negative eigenvalues of S, -1 if it is singular
-int TangentSystem::formSchur() {
-  if (problem_.tied() == nullptr) return 0;
-  const auto& rows = problem_.tied()->ties().rows;
-  spread_ = cholesky_.solve(Eigen::MatrixXd(rows.transpose()));
-  const Eigen::MatrixXd schur = rows * spread_;
-  if (!schur.allFinite()) return -1;
-  schur_.compute(0.5 * (schur + schur.transpose()));
-  const Eigen::VectorXd& values = schur_.eigenvalues();
-  if (values.size() > 0 && values.cwiseAbs().minCoeff() < 1e-14 * values.cwiseAbs().maxCoeff()) return -1;
-  return static_cast<int>((values.array() < 0).count());
-}
-
-template <class Dense>
-void TangentSystem::solveAny(const Dense& f, const Dense& g, Dense& z, Dense& lambda) const {
-  z = cholesky_.solve(f);
-  lambda.resize(0, f.cols());
-  if (problem_.tied() == nullptr) return;
-  const Dense gap = problem_.tied()->ties().rows * z - g;
-  const Eigen::MatrixXd& basis = schur_.eigenvectors();
-  Dense shares = basis.transpose() * gap;
-  shares.array().colwise() /= schur_.eigenvalues().array();
-  lambda = basis * shares;
-  z -= spread_ * lambda;
-}
-
-void TangentSystem::solve(const Eigen::VectorXd& f, const Eigen::VectorXd& g, Eigen::VectorXd& z,
-                          Eigen::VectorXd& lambda) const {
-  solveAny(f, g, z, lambda);
-}
-
-void TangentSystem::solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& g, Eigen::MatrixXd& z,
-                          Eigen::MatrixXd& lambda) const {
-  solveAny(f, g, z, lambda);
-}
-
-EquilibriumSolver::EquilibriumSolver(const Problem& problem, const NewtonSettings& settings)
+EquilibriumSolver::EquilibriumSolver(const Problem& problem, const NewtonSettings& settings, ControlLine line)
     : problem_(problem),
       settings_(settings),
-      tied_(problem.tied() ? std::make_unique<TiedProblem>(*problem.tied()) : nullptr),
-      newton_(this->problem(), settings),
-      system_(this->problem(), newton_.cholesky()) {}
+      constraints_(problem.constraints()),
+      newton_(problem, settings),
+      system_(problem, newton_.cholesky()) {
+  setLine(std::move(line));
+}
+
+void EquilibriumSolver::setLine(ControlLine line) {
+  const Eigen::Index count = problem_.controlCount();
+  one_control_ = count == 1 && line.direction.size() == 0;
+  if (!one_control_ && (line.start.size() != count || line.direction.size() != count)) {
+    throw common::Error("the line of controls has " + std::to_string(line.start.size()) + " and " +
+                        std::to_string(line.direction.size()) + " values in start and direction; allowed: " +
+                        std::to_string(count) + ", as the problem has controls");
+  }
+  line_ = std::move(line);
+}
+
+Eigen::VectorXd EquilibriumSolver::controls(double t) const {
+  if (one_control_) return Eigen::VectorXd::Constant(1, t);
+  return line_.start + t * line_.direction;
+}
+
+/// dp/dt
+Eigen::VectorXd EquilibriumSolver::driven() const { return one_control_ ? Eigen::VectorXd::Ones(1) : line_.direction; }
+
+/// The force on t in the place of those on each control.
+void EquilibriumSolver::alongLine(Evaluation& at) const {
+  if (one_control_) return;
+  const double force = at.control_force.size() > 0 ? line_.direction.dot(at.control_force) : 0;
+  at.control_force = Eigen::VectorXd::Constant(1, force);
+}
 
 Equilibrium EquilibriumSolver::start(const Eigen::VectorXd& z, double p) const {
   Equilibrium x;
   x.p(0) = p;
   x.z = z;
-  x.multipliers = Eigen::VectorXd::Zero(tieCount());
+  x.multipliers = Eigen::VectorXd::Zero(constraintCount());
   return x;
 }
 
 void EquilibriumSolver::evaluate(const Equilibrium& x, Order order, Evaluation& at) {
   const double begin = secondsNow();
-  if (tied_) tied_->setMultipliers(x.multipliers);
-  problem().evaluate(x.z, x.p, order, at);
+  if (constraints_ != nullptr) {
+    problem_.evaluateLagrangian(x.z, controls(x.p(0)), x.multipliers, order, at);
+  } else {
+    problem_.evaluate(x.z, controls(x.p(0)), order, at);
+  }
+  if (order != Order::ENERGY) alongLine(at);
   seconds_assembly_ += secondsNow() - begin;
 }
 
-Eigen::VectorXd EquilibriumSolver::gap(const Equilibrium& x) const {
-  return tied_ ? tied_->gap(x.z, x.p) : Eigen::VectorXd();
+bool EquilibriumSolver::closed(const Equilibrium& x) const {
+  return constraints_ == nullptr || x.at.gap.cwiseAbs().maxCoeff() <= constraints_->tolerance();
 }
 
 bool EquilibriumSolver::balanced(const Equilibrium& x) const {
-  const double allowed = std::max(settings_.relative_tolerance * x.at.force_scale, problem_.forceFloor());
-  if (x.at.residual.norm() > allowed) return false;
-  return tieCount() == 0 || gap(x).cwiseAbs().maxCoeff() <= tied_->gapTolerance();
+  return x.at.residual.norm() <= residualTolerance(problem_, x.at, settings_.relative_tolerance) && closed(x);
 }
 
 NewtonResult EquilibriumSolver::minimise(Equilibrium& x) {
-  if (tieCount() == 0) return newton_.solve(x.p, x.z, x.at);
-  return tied_->drive() == Drive::MULTIPLIERS ? saddle(x) : augment(x);
+  if (constraints_ != nullptr) return constraints_->enforcement() == Drive::MULTIPLIERS ? saddle(x) : augment(x);
+  const NewtonResult result = newton_.solve(controls(x.p(0)), x.z, x.at);
+  alongLine(x.at);
+  return result;
+}
+
+/// Bodies that turn are held by what their constraints bear: without it the first Hessian lacks the stiffness of all
+/// that hangs. Where nothing is known of the multipliers they are those that leave the smallest residual.
+void EquilibriumSolver::estimateMultipliers(Equilibrium& x) {
+  if (!problem_.curvedConstraints() || !x.multipliers.isZero(0)) return;
+  constexpr double ROUNDING = 1e-12;
+  evaluate(x, Order::TANGENT, x.at);
+  if (!x.at.finite) return;
+  // Without the penalty's force: open constraints say nothing of what holds them.
+  const Eigen::VectorXd force = x.at.residual - x.at.rows->transpose() * (constraints_->penalty() * x.at.gap);
+  const ConstraintRows across = x.at.rows->transpose();
+  Eigen::MatrixXd gram(*x.at.rows * across);
+  gram.diagonal().array() += ROUNDING * gram.diagonal().maxCoeff();
+  x.multipliers = -gram.ldlt().solve(*x.at.rows * force);
+  if (!x.multipliers.allFinite()) x.multipliers.setZero();
 }
 
 /// The paper's way: minimise L at fixed multipliers, then lambda += rho g.
 NewtonResult EquilibriumSolver::augment(Equilibrium& x) {
   NewtonResult total;
+  estimateMultipliers(x);
   const int most = std::max(OUTER_ITERATIONS, settings_.max_iterations);
   for (int outer = 0; outer < most; ++outer) {
-    tied_->setMultipliers(x.multipliers);
-    const NewtonResult inner = newton_.solve(x.p, x.z, x.at);
+    const NewtonResult inner = newton_.solve(controls(x.p(0)), x.z, x.at, x.multipliers);
+    alongLine(x.at);
     total.iterations += inner.iterations;
     total.factorizations += inner.factorizations;
     total.projections += inner.projections;
     total.residual = inner.residual;
     if (!inner.converged()) return finish(total, inner.status, inner.message);
-    const Eigen::VectorXd open = gap(x);
-    if (open.cwiseAbs().maxCoeff() <= tied_->gapTolerance()) return finish(total, SolveStatus::CONVERGED, "");
-    x.multipliers += tied_->penalty() * open;
+    if (closed(x)) return finish(total, SolveStatus::CONVERGED, "");
+    x.multipliers += constraints_->penalty() * x.at.gap;
   }
   std::ostringstream text;
-  text << "ports and joints gape by " << gap(x).cwiseAbs().maxCoeff() << " m after " << most
+  text << "ports and joints are open by " << x.at.gap.cwiseAbs().maxCoeff() << " m after " << most
        << " updates of the multipliers";
   return finish(total, SolveStatus::ITERATION_LIMIT, text.str());
 }
@@ -161,33 +163,35 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
   bool good = false;
   if (settings_.projection == Projection::ON_DEMAND) {
     ++result.factorizations;
-    good = system_.factorizeDefinite(x.at.hessian);
-    if (!good && problem().energyFloor() > 0) {
-      good = factorizeShifted(system_, problem().pattern(), x.at.hessian, result);
+    good = system_.factorizeDefinite(x.at.hessian, x.at.rows);
+    if (!good && problem_.energyFloor() > 0) {
+      good = factorizeShifted(system_, problem_.pattern(), x.at, result);
     }
   }
   if (!good) {
     evaluate(x, projectedOrder(settings_.projection), trial_);
     ++result.projections;
     ++result.factorizations;
-    good = system_.factorizeDefinite(trial_.hessian);
+    good = system_.factorizeDefinite(trial_.hessian, trial_.rows) ||
+           factorizeShifted(system_, problem_.pattern(), trial_, result);
   }
   if (!good) return false;
-  system_.solve(-x.at.residual, -gap(x), dz, dl);
+  system_.solve(-x.at.residual, -x.at.gap, dz, dl);
   ++result.iterations;
   return dz.allFinite() && dl.allFinite();
 }
 
-/// With closed ties a step keeps them closed, and the energy decides on its length as without ties. Open ties are
-/// closed first, by the longest step that turns nothing inside out.
+/// With closed constraints whose rows are constant a step keeps them closed, and the energy decides on its length as
+/// without. Open ones are closed first, by the longest step that turns nothing inside out.
 bool EquilibriumSolver::saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x) {
-  tied_->setMultipliers(x.multipliers);
-  if (gap(x).cwiseAbs().maxCoeff() <= tied_->gapTolerance()) {
-    if (!newton_.lineSearch(x.p, dz, x.z, x.at)) return false;
+  if (problem_.curvedConstraints()) return curvedStep(dz, dl, x);
+  if (closed(x)) {
+    if (!newton_.lineSearch(controls(x.p(0)), x.multipliers, dz, x.z, x.at)) return false;
+    alongLine(x.at);
     // The multipliers enter linearly.
     x.multipliers += dl;
-    x.at.residual += tied_->ties().rows.transpose() * dl;
-    x.at.control_force -= tied_->ties().control.transpose() * dl;
+    x.at.residual += x.at.rows->transpose() * dl;
+    x.at.control_force(0) -= (constraints_->control() * driven()).dot(dl);
     return true;
   }
   Equilibrium moved = x;
@@ -202,10 +206,23 @@ bool EquilibriumSolver::saddleStep(const Eigen::VectorXd& dz, const Eigen::Vecto
   return false;
 }
 
+/// Rows that change on the way: H dz = -(r + A^T dl) is Newton's step for L at the new multipliers, which decides on
+/// its length, whether the constraints are open or closed.
+bool EquilibriumSolver::curvedStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x) {
+  Equilibrium moved = x;
+  moved.multipliers += dl;
+  evaluate(moved, Order::STRESS, moved.at);
+  if (!newton_.lineSearch(controls(x.p(0)), moved.multipliers, dz, moved.z, moved.at)) return false;
+  alongLine(moved.at);
+  x = std::move(moved);
+  return true;
+}
+
 NewtonResult EquilibriumSolver::saddle(Equilibrium& x) {
   NewtonResult result;
+  estimateMultipliers(x);
   evaluate(x, Order::TANGENT, x.at);
-  if (!x.at.finite) return inverted(problem(), x.at, result);
+  if (!x.at.finite) return inverted(problem_, x.at, result);
   Eigen::VectorXd dz, dl;
   for (int iteration = 0;; ++iteration) {
     result.residual = x.at.residual.norm();
@@ -217,13 +234,16 @@ NewtonResult EquilibriumSolver::saddle(Equilibrium& x) {
     if (iteration == settings_.max_iterations) return exhausted(result.residual, result);
     if (settings_.cancelled && settings_.cancelled()) return finish(result, SolveStatus::CANCELLED, "cancelled");
     if (!saddleDirection(x, result, dz, dl)) {
+      const std::string dead = system_.deadPoint();
       return finish(result, SolveStatus::SINGULAR,
-                    "the saddle point's matrix is singular even when projected: is every body supported?");
+                    !dead.empty() ? dead
+                                  : "the saddle point's matrix is singular even when projected: is every body "
+                                    "supported?");
     }
     if (!saddleStep(dz, dl, x)) {
       std::ostringstream text;
       text << "no shorter step lowers the energy; |r| = " << result.residual
-           << " N, smallest det F = " << x.at.min_det_f << " in " << problem().describeCell(x.at.min_det_f_cell);
+           << " N, smallest det F = " << x.at.min_det_f << " in " << problem_.describeCell(x.at.min_det_f_cell);
       return finish(result, SolveStatus::LINE_SEARCH_FAILED, text.str());
     }
   }
@@ -243,13 +263,14 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
   Eigen::VectorXd a, a_multipliers;
   for (int iteration = 0; iteration <= CORRECTOR_ITERATIONS; ++iteration) {
     evaluate(x, Order::TANGENT, x.at);
-    if (!x.at.finite) return inverted(problem(), x.at, result);
+    if (!x.at.finite) return inverted(problem_, x.at, result);
     result.residual = x.at.residual.norm();
     const double gap_on_plane =
         plane.distance - plane.normal.dot(x.z - plane.origin) - plane.control_normal * (x.p(0) - plane.control);
     result.factorizations += settle(x);
     if (x.negative_pivots < 0) {
-      return finish(result, SolveStatus::SINGULAR, "the Hessian is singular to rounding");
+      const std::string dead = system_.deadPoint();
+      return finish(result, SolveStatus::SINGULAR, dead.empty() ? "the Hessian is singular to rounding" : dead);
     }
     // Where the corrector starts on the plane it stays there, but for rounding.
     if (balanced(x) && (iteration > 0 || std::abs(gap_on_plane) <= 1e-9 * std::abs(plane.distance) + 1e-300)) {
@@ -258,48 +279,50 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
     if (iteration == CORRECTOR_ITERATIONS) break;
     if (settings_.cancelled && settings_.cancelled()) return finish(result, SolveStatus::CANCELLED, "cancelled");
     ++result.iterations;
-    system_.solve(-x.at.residual, -gap(x), a, a_multipliers);
+    system_.solve(-x.at.residual, constraints_ ? Eigen::VectorXd(-x.at.gap) : Eigen::VectorXd(), a, a_multipliers);
     const double dp = (gap_on_plane - plane.normal.dot(a)) / (plane.normal.dot(x.slope) + plane.control_normal);
     if (!std::isfinite(dp) || !a.allFinite()) break;
     x.z += a + dp * x.slope;
     x.p(0) += dp;
-    if (tieCount() > 0) x.multipliers += a_multipliers + dp * x.multiplier_slope;
+    if (constraints_ != nullptr) x.multipliers += a_multipliers + dp * x.multiplier_slope;
   }
   return exhausted(result.residual, result);
 }
 
 int EquilibriumSolver::settle(Equilibrium& x) {
   Eigen::VectorXd control_part;
-  problem().controlTangent(x.at, Eigen::VectorXd::Ones(1), x.load, control_part);
-  x.control_curvature = control_part(0);
-  x.negative_pivots = system_.factorize(x.at.hessian);
+  const Eigen::VectorXd along = driven();
+  problem_.controlTangent(x.at, along, x.load, control_part);
+  x.control_curvature = along.dot(control_part);
+  x.negative_pivots = system_.factorize(x.at);
   x.slope = Eigen::VectorXd::Zero(x.z.size());
-  x.multiplier_slope = Eigen::VectorXd::Zero(tieCount());
+  x.multiplier_slope = Eigen::VectorXd::Zero(constraintCount());
+  const Eigen::VectorXd moved = constraints_ ? Eigen::VectorXd(constraints_->control() * along) : Eigen::VectorXd();
   if (x.negative_pivots >= 0) {
     Eigen::VectorXd slope, multiplier_slope;
-    const Eigen::VectorXd driven = tied_ ? Eigen::VectorXd(tied_->ties().control.col(0)) : Eigen::VectorXd();
-    system_.solve(-x.load, driven, slope, multiplier_slope);
+    system_.solve(-x.load, moved, slope, multiplier_slope);
     if (slope.allFinite() && multiplier_slope.allFinite()) {
       x.slope = slope;
       x.multiplier_slope = multiplier_slope;
     }
   }
   x.stiffness = x.control_curvature + x.load.dot(x.slope);
-  if (tieCount() > 0) x.stiffness -= tied_->ties().control.col(0).dot(x.multiplier_slope);
+  if (constraints_ != nullptr) x.stiffness -= moved.dot(x.multiplier_slope);
   return 1;
 }
 
 int EquilibriumSolver::settleNear(Equilibrium& x) {
   constexpr double NEAR = 1e-2;
   const Cholesky& cholesky = newton_.cholesky();
-  if (tieCount() > 0 || !(cholesky.distance(x.at.hessian) < NEAR)) return settle(x);
+  if (constraints_ != nullptr || !(cholesky.distance(x.at.hessian) < NEAR)) return settle(x);
   Eigen::VectorXd control_part;
-  problem().controlTangent(x.at, Eigen::VectorXd::Ones(1), x.load, control_part);
+  const Eigen::VectorXd along = driven();
+  problem_.controlTangent(x.at, along, x.load, control_part);
   const CgResult cg =
-      conjugateGradients(problem().pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
+      conjugateGradients(problem_.pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
   if (!cg.converged) return settle(x);
   x.multiplier_slope.resize(0);
-  x.control_curvature = control_part(0);
+  x.control_curvature = along.dot(control_part);
   x.negative_pivots = 0;
   x.stiffness = x.control_curvature + x.load.dot(x.slope);
   return 0;
@@ -310,12 +333,12 @@ Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const 
   x.p(0) = p;
   const double step = p - from.p(0);
   x.z = from.z + step * from.slope;
-  x.multipliers = tieCount() > 0 ? from.multipliers + step * from.multiplier_slope : Eigen::VectorXd();
+  x.multipliers = constraints_ != nullptr ? from.multipliers + step * from.multiplier_slope : Eigen::VectorXd();
   return x;
 }
 
 double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations) const {
-  const Eigen::VectorXd closed = Eigen::VectorXd::Zero(tieCount());
+  const Eigen::VectorXd closed = Eigen::VectorXd::Zero(constraintCount());
   mode.resize(x.z.size());
   for (int k = 0; k < mode.size(); ++k) mode(k) = std::sin(1.7 * k + 0.3);  // no symmetry of a body has this
   Eigen::VectorXd next, multipliers;
@@ -340,7 +363,7 @@ bool EquilibriumSolver::supported(const Equilibrium& x) const {
   softestMode(x, mode, 4);
   if (!mode.allFinite()) return false;
   // The energy of the motion against the terms that cancel in it where nothing resists.
-  const SparsePattern& pattern = problem().pattern();
+  const SparsePattern& pattern = problem_.pattern();
   double terms = 0;
   for (int c = 0; c < pattern.size; ++c) terms += std::abs(x.at.hessian[pattern.start[c]]) * mode(c) * mode(c);
   return std::abs(mode.dot(pattern.multiply(x.at.hessian, mode))) > ROUNDING * terms;

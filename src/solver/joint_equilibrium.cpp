@@ -15,14 +15,16 @@ namespace {
 
 constexpr double NO_SCALE = 1e-15;  ///< relative tolerance: the forces' own decides
 
-Ties tiesOf(ConstraintRows H) {
-  Ties ties;
-  const auto rows = H.rows();
-  ties.rows = std::move(H);
-  ties.control = MatrixXd::Zero(rows, 1);
-  ties.constant = VectorXd::Zero(rows);
-  for (int row = 0; row < rows; ++row) ties.equation.push_back(row);
-  return ties;
+/// H u = h with the values of h as controls.
+LinearRows rowsOf(ConstraintRows H, std::vector<std::string> names) {
+  LinearRows result;
+  const auto count = H.rows();
+  result.rows = std::move(H);
+  result.control = MatrixXd::Identity(count, count);
+  result.constant = VectorXd::Zero(count);
+  result.names = std::move(names);
+  for (int row = 0; row < count; ++row) result.equation.push_back(row);
+  return result;
 }
 
 void check(const ConstraintRows& H, int dofs, std::size_t names, const JointSettings& s) {
@@ -46,19 +48,22 @@ JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<
     : names_(std::move(names)) {
   const int dofs = solid->dofCount();
   check(H, dofs, names_.size(), settings);
+  const auto rows = static_cast<int>(H.rows());
   rank_ = rankOf(H);
   load_ = std::make_shared<LoadTerm>(VectorXd(), MatrixXd());
   TermProblem::Parts parts =
-      solidParts<D>(std::move(solid), std::make_shared<const Coordinates>(Reduction(dofs, 1, {})), settings.threads,
+      solidParts<D>(std::move(solid), std::make_shared<const Coordinates>(Reduction(dofs, rows, {})), settings.threads,
                     settings.force_tolerance);
   parts.terms.push_back(load_);
   parts.energy_floor = settings.energy_floor;
-  tied_ = std::make_unique<TiedProblem>(std::make_shared<const TermProblem>(std::move(parts)), tiesOf(std::move(H)),
-                                        settings.drive, settings.stiffness, settings.gap_tolerance);
+  parts.constraints = std::make_shared<const Constraints>(rowsOf(std::move(H), names_), settings.drive,
+                                                          settings.stiffness, settings.gap_tolerance);
+  problem_ = std::make_shared<const TermProblem>(std::move(parts));
   NewtonSettings newton;
   newton.max_iterations = settings.max_iterations;
   newton.relative_tolerance = NO_SCALE;
-  solver_ = std::make_unique<EquilibriumSolver>(*tied_, newton);
+  solver_ =
+      std::make_unique<EquilibriumSolver>(*problem_, newton, ControlLine{VectorXd::Zero(rows), VectorXd::Zero(rows)});
 }
 
 template <int D>
@@ -83,14 +88,14 @@ JointResult JointEquilibrium<D>::solve(const VectorXd& f, const VectorXd& h, con
     return result;
   }
   load_->setDead(f);
-  solver_->setTieConstant(h);
+  solver_->setLine({h, VectorXd::Zero(h.size())});
   Equilibrium x = solver_->start(guess, 0);
   const NewtonResult newton = solver_->minimise(x);
   result.status = newton.converged() ? JointStatus::CONVERGED : JointStatus::NOT_CONVERGED;
-  result.gap = (tied_->ties().rows * x.z - h).cwiseAbs().maxCoeff();
+  result.gap = x.at.gap.cwiseAbs().maxCoeff();
   result.residual = newton.residual;
   result.iterations = newton.iterations;
-  result.stable = newton.converged() && solver_->system().factorize(x.at.hessian) == 0;
+  result.stable = newton.converged() && solver_->system().factorize(x.at) == 0;
   if (!newton.converged()) result.message = "no equilibrium: " + statusName(newton.status) + ", " + newton.message;
   result.u = std::move(x.z);
   result.multipliers = std::move(x.multipliers);
@@ -101,18 +106,18 @@ JointResult JointEquilibrium<D>::solve(const VectorXd& f, const VectorXd& h, con
 template <int D>
 Evaluation JointEquilibrium<D>::linearise(const VectorXd& u) {
   Evaluation at;
-  tied_->evaluate(u, VectorXd::Zero(1), Order::TANGENT, at);
+  problem_->evaluate(u, VectorXd::Zero(problem_->controlCount()), Order::TANGENT, at);
   return at;
 }
 
 template <int D>
 void JointEquilibrium<D>::solveTangent(const Evaluation& at, const MatrixXd& f, const MatrixXd& g, MatrixXd* x,
                                        MatrixXd* y) {
-  if (!refusal().empty() || at.hessian.empty() || solver_->system().factorize(at.hessian) != 0) {
+  if (!refusal().empty() || at.hessian.empty() || solver_->system().factorize(at) != 0) {
     throw common::Error("joint equilibrium: no derivative without a stable equilibrium");
   }
   // The Hessian holds rho H^T H as well, which acts on x where H x = g is not zero.
-  const MatrixXd held = f + tied_->penalty() * (tied_->ties().rows.transpose() * g);
+  const MatrixXd held = f + problem_->constraints()->penalty() * (at.rows->transpose() * g);
   solver_->system().solve(held, g, *x, *y);
 }
 

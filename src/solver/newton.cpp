@@ -58,15 +58,23 @@ Newton::Newton(const Problem& problem, NewtonSettings settings)
   settings_.validate();
 }
 
-void Newton::evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at) {
+void Newton::evaluate(const Eigen::VectorXd& z, const Held& held, Order order, Evaluation& at) {
   const double begin = secondsNow();
-  problem_.evaluate(z, p, order, at);
+  if (held.multipliers.size() == 0) {
+    problem_.evaluate(z, held.p, order, at);
+  } else {
+    problem_.evaluateLagrangian(z, held.p, held.multipliers, order, at);
+  }
   seconds_assembly_ += secondsNow() - begin;
 }
 
-double Newton::tolerance(const Evaluation& at) const {
+double residualTolerance(const Problem& problem, const Evaluation& at, double relative) {
   constexpr double ROUNDINGS = 10;
-  return std::max({settings_.relative_tolerance * at.force_scale, ROUNDINGS * at.rounding, problem_.forceFloor()});
+  return std::max({relative * at.force_scale, ROUNDINGS * at.rounding, problem.forceFloor()});
+}
+
+double Newton::tolerance(const Evaluation& at) const {
+  return residualTolerance(problem_, at, settings_.relative_tolerance);
 }
 
 /// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.
@@ -90,7 +98,7 @@ bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& resu
   return true;
 }
 
-bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
+bool Newton::direction(const Eigen::VectorXd& z, const Held& held, Evaluation& at, Eigen::VectorXd& d,
                        NewtonResult& result) {
   if (nearby(at, d, result)) return true;
   bool good = false;
@@ -101,7 +109,7 @@ bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evalu
   }
   if (!good) {
     factor_is_recent_ = false;
-    evaluate(z, p, projectedOrder(settings_.projection), trial_);
+    evaluate(z, held, projectedOrder(settings_.projection), trial_);
     ++result.projections;
     std::vector<double>& hessian = trial_.hessian;
     double largest = 0;
@@ -122,7 +130,9 @@ bool Newton::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evalu
   return d.allFinite();
 }
 
-bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at) {
+bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipliers, const Eigen::VectorXd& d,
+                        Eigen::VectorXd& z, Evaluation& at) {
+  const Held held{p, multipliers};
   const double slope = at.residual.dot(d);
   // Near the solution differences of the energy are rounding; slopes of it are not, and decide there instead
   // (approximate Wolfe conditions, Hager and Zhang 2005).
@@ -131,7 +141,7 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eige
   double length = 1;
   for (int trial = 0; trial < 40; ++trial, length *= 0.5) {
     const Eigen::VectorXd candidate = z + length * d;
-    evaluate(candidate, p, trial == 0 ? Order::TANGENT : Order::STRESS, trial_);
+    evaluate(candidate, held, trial == 0 ? Order::TANGENT : Order::STRESS, trial_);
     if (!trial_.finite) continue;
     const bool lower = at.potential ? trial_.energy <= at.energy + 1e-4 * length * slope
                                     : trial_.residual.norm() <= (1 - 1e-4 * length) * at.residual.norm();
@@ -139,7 +149,7 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eige
     const bool flatter = at.potential && trial_.energy <= at.energy + rounding && slope_there >= 0.9 * slope &&
                          slope_there <= -0.998 * slope;
     if (!lower && !flatter) continue;
-    if (trial > 0) evaluate(candidate, p, Order::TANGENT, trial_);
+    if (trial > 0) evaluate(candidate, held, Order::TANGENT, trial_);
     z = candidate;
     std::swap(at, trial_);
     return true;
@@ -147,14 +157,21 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eige
   return false;
 }
 
-NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at) {
+NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at,
+                           const Eigen::VectorXd& multipliers) {
+  if (problem_.constraints() != nullptr && multipliers.size() != problem_.constraints()->count()) {
+    throw common::Error("Newton's method has " + std::to_string(multipliers.size()) + " multipliers for " +
+                        std::to_string(problem_.constraints()->count()) +
+                        " constraints; allowed: as many, or EquilibriumSolver, which finds them");
+  }
+  const Held held{p, multipliers};
   NewtonResult result;
   const auto finish = [&](SolveStatus status, const std::string& message) {
     result.status = status;
     result.message = message;
     return result;
   };
-  evaluate(z, p, Order::TANGENT, at);
+  evaluate(z, held, Order::TANGENT, at);
   if (!at.finite) {
     std::ostringstream text;
     text << "det F = " << at.min_det_f << " in " << problem_.describeCell(at.min_det_f_cell);
@@ -170,11 +187,11 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
     if (result.residual <= tolerance(at)) return finish(SolveStatus::CONVERGED, "");
     if (iteration == settings_.max_iterations) break;
     if (settings_.cancelled && settings_.cancelled()) return finish(SolveStatus::CANCELLED, "cancelled");
-    if (!direction(z, p, at, d, result)) {
+    if (!direction(z, held, at, d, result)) {
       return finish(SolveStatus::SINGULAR,
                     "the Hessian has no Cholesky factor even when projected: is every body supported?");
     }
-    if (!lineSearch(p, d, z, at)) {
+    if (!lineSearch(p, multipliers, d, z, at)) {
       std::ostringstream text;
       text << "no shorter step lowers the energy; |r| = " << result.residual << " N, smallest det F = " << at.min_det_f
            << " in " << problem_.describeCell(at.min_det_f_cell);

@@ -7,17 +7,25 @@ namespace snapwing::solver {
 
 namespace {
 
-HessianLayout withCouples(HessianLayout layout, const std::vector<std::shared_ptr<const Term>>& terms,
-                          std::vector<std::vector<int>>& places) {
-  for (const auto& term : terms) {
-    if (term->region() >= layout.regionCount()) {
-      throw common::Error("term '" + term->name() + "' writes to region " + std::to_string(term->region()) +
-                          "; allowed: -1 (none) .. " + std::to_string(layout.regionCount() - 1));
-    }
-    std::vector<int>& own = places.emplace_back();
-    for (const std::vector<int>& couple : term->couples()) own.push_back(layout.addCouple(couple));
+std::vector<int> addCouples(const Term& term, HessianLayout& layout) {
+  if (term.region() >= layout.regionCount()) {
+    throw common::Error("term '" + term.name() + "' writes to region " + std::to_string(term.region()) +
+                        "; allowed: -1 (none) .. " + std::to_string(layout.regionCount() - 1));
   }
-  return layout;
+  std::vector<int> places;
+  for (const std::vector<int>& couple : term.couples()) places.push_back(layout.addCouple(couple));
+  return places;
+}
+
+std::shared_ptr<const Constraints> onFree(const Constraints* constraints, const Coordinates& coordinates) {
+  if (constraints == nullptr || constraints->count() == 0) return nullptr;
+  const LinearRows& own = constraints->linear();
+  if (own.rows.cols() != coordinates.fullCount() || own.control.cols() != coordinates.controlCount()) {
+    throw common::Error("constraints have " + std::to_string(own.rows.cols()) + " coordinates and " +
+                        std::to_string(own.control.cols()) + " controls; allowed: " +
+                        std::to_string(coordinates.fullCount()) + " and " + std::to_string(coordinates.controlCount()));
+  }
+  return std::make_shared<const Constraints>(constraints->onFree(coordinates.linear()));
 }
 
 /// The point as the k-th term sees it.
@@ -28,11 +36,24 @@ Point pointOf(Point at, std::size_t k) {
 
 }  // namespace
 
+HessianLayout TermProblem::wholeLayout() {
+  HessianLayout layout = parts_.layout;
+  for (const auto& term : parts_.terms) couples_.push_back(addCouples(*term, layout));
+  if (constraint_) couples_.push_back(addCouples(*constraint_, layout));
+  return layout;
+}
+
 TermProblem::TermProblem(Parts parts)
     : parts_(std::move(parts)),
       coordinates_(parts_.coordinates),
-      layout_(withCouples(parts_.layout, parts_.terms, couples_)),
+      constraints_(onFree(parts_.constraints.get(), *coordinates_)),
+      constraint_(constraints_ ? std::make_unique<const ConstraintTerm>(constraints_) : nullptr),
+      layout_(wholeLayout()),
       pull_back_(coordinates_, layout_) {
+  if (constraints_ && coordinates_->rotationCount() == 0) {
+    constant_rows_ = std::make_shared<const ConstraintRows>(
+        coordinates_->pullBack(Coordinates::Place(), constraints_->linear().rows));
+  }
   if (layout_.fullCount() != coordinates_->fullCount()) {
     throw common::Error("the layout has " + std::to_string(layout_.fullCount()) + " coordinates; allowed: " +
                         std::to_string(coordinates_->fullCount()) + ", as the problem's coordinates");
@@ -46,6 +67,9 @@ void TermProblem::sumTerms(const Point& at, Order order, Sum& sum) const {
     sum.couples = &couples_[k];
     term.evaluate(pointOf(at, k), order, sum);
   }
+  if (!constraint_) return;
+  sum.couples = &couples_.back();
+  constraint_->evaluate(at, order, sum);
 }
 
 /// Sum over the path's points of w (E(y0 + s d) - E(y0)) / s, whose slope is w g and whose second derivative w s H.
@@ -82,10 +106,12 @@ void TermProblem::averageStored(const Point& at, const StepContext& context, Ord
 }
 
 void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references,
-                             const StepContext* context, Order order, Evaluation& out) const {
+                             const StepContext* context, Order order, Evaluation& out,
+                             const Eigen::VectorXd* multipliers) const {
   coordinates_->at(z, p, references, out.place);
   const Step* step = context != nullptr ? &context->step : nullptr;
-  const Point point{out.place.y, p, step, parts_.threads};
+  Point point{out.place.y, p, step, parts_.threads};
+  point.multipliers = multipliers;
   out.control = p;
   out.step = step;
   Sum& sum = out.sum;
@@ -99,6 +125,7 @@ void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
   out.rounding = sum.rounding;
   out.min_det_f = sum.min_det_f;
   out.min_det_f_cell = sum.min_det_f_cell;
+  if (constraints_) out.gap = constraints_->residual(out.place.y, p);
   if (order == Order::ENERGY || !out.finite) return;
   const bool mean = context != nullptr && context->mean_with != nullptr;
   out.potential = !mean || coordinates_->rotationCount() == 0;
@@ -107,6 +134,12 @@ void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
   out.control_force = coordinates_->toControls(sum.gradient);
   out.control_force += sum.control;
   if (!elasticity::withTangent(order)) return;
+  if (constraints_) {
+    out.rows =
+        constant_rows_
+            ? constant_rows_
+            : std::make_shared<const ConstraintRows>(coordinates_->pullBack(out.place, constraints_->linear().rows));
+  }
   pull_back_.apply(sum.hessian, out.place, sum.gradient, order == Order::PROJECTED, out.hessian);
 }
 
@@ -118,6 +151,7 @@ void TermProblem::controlTangent(const Evaluation& at, const Eigen::VectorXd& dp
   for (const auto& term : parts_.terms) {
     term->controlTangent({at.place.y, at.control, at.step, parts_.threads}, dy, dp, by_y, by_p);
   }
+  if (constraint_) constraint_->controlTangent({at.place.y, at.control}, dy, dp, by_y, by_p);
   free_part = coordinates_->pullBack(at.place, by_y);
   control_part = coordinates_->toControls(by_y);
   control_part += by_p;
@@ -167,7 +201,7 @@ TermProblem::Parts solidParts(std::shared_ptr<const mpm::Discretisation<D>> soli
                               std::shared_ptr<const Coordinates> coordinates, int threads, double force_floor) {
   HessianLayout layout(coordinates->fullCount());
   layout.addRegion(0, solid->pattern());
-  TermProblem::Parts parts{std::move(layout), std::move(coordinates), {}, threads, force_floor, 0};
+  TermProblem::Parts parts{std::move(layout), std::move(coordinates), {}, threads, force_floor, 0, nullptr};
   parts.terms.push_back(std::make_shared<const ElasticTerm<D>>(std::move(solid)));
   return parts;
 }

@@ -77,7 +77,7 @@ class StableInterval {
   /// @return false: ask elsewhere
   bool search(bool zero, Feature& found) {
     const auto plain = [](const PathPoint& p) { return p.negative_pivots == 0 && !p.by_arc; };
-    if (solver_.tieCount() > 0 || !plain(a_) || !plain(b_) || h_ == 0) return false;
+    if (solver_.constraintCount() > 0 || !plain(a_) || !plain(b_) || h_ == 0) return false;
     double p = a_.control + root(zero) * h_, before = NAN, value_before = 0;
     solver::Equilibrium x = solver_.start(guess(p), p);
     for (int k = 0; k < LARGEST_COUNT; ++k) {
@@ -154,8 +154,7 @@ class StableInterval {
 
   /// True if the energy differs from that of `a` by more than the work along the branch can.
   bool left(const solver::Equilibrium& x) {
-    if (!begun_)
-      solver_.problem().evaluate(a_.solution, Eigen::VectorXd::Constant(1, a_.control), solver::Order::ENERGY, at_a_);
+    if (!begun_) solver_.problem().evaluate(a_.solution, solver_.controls(a_.control), solver::Order::ENERGY, at_a_);
     begun_ = true;
     const double dp = x.p(0) - a_.control;
     const double work = 0.5 * dp * (a_.force + x.force()) + dp * dp / 12 * (a_.stiffness - x.stiffness);

@@ -30,8 +30,7 @@ PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factor
 }
 
 PathFollower::PathFollower(const solver::Problem& problem, PathSettings settings)
-    : problem_(problem), settings_(std::move(settings)), solver_(problem, settings_.newton) {
-  if (problem.controlCount() != 1) throw common::Error("a path needs a problem with exactly one control");
+    : problem_(problem), settings_(std::move(settings)), solver_(problem, settings_.newton, settings_.line) {
   if (!(settings_.smallest_step > 0 && settings_.smallest_step <= 1)) {
     throw common::Error("smallest_step is " + common::toText(settings_.smallest_step) + "; allowed: (0, 1]");
   }
@@ -143,7 +142,10 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::N
   solver_.settle(place_);
   if (solver_.supported(place_)) return true;
   last.status = solver::SolveStatus::SINGULAR;
-  last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
+  last.message = solver_.system().deadPoint();
+  if (last.message.empty()) {
+    last.message = "the Hessian is singular: some body or part is not supported, or joints leave it free to move";
+  }
   return false;
 }
 

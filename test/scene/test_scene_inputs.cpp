@@ -279,12 +279,6 @@ TEST(SceneInputs, JointAtADrivenPort) {
       std::string::npos);
 }
 
-TEST(SceneInputs, TiesAsEquationsRefuseRigidBodies) {
-  std::string text = FULL;
-  text.replace(text.find("copies: 2"), 9, "copies: 2\ndrive: multipliers");
-  EXPECT_NE(refusal(text, "copies: 2", "copies: 2").find("allowed: elimination"), std::string::npos);
-}
-
 TEST(SceneInputs, QuarterVehicleIsFourArms) {
   Scene vehicle = loadScene(SCENES + "quarter_vehicle.yaml"), arm = loadScene(SCENES + "arm_planar.yaml");
   for (Scene* s : {&vehicle, &arm}) {

@@ -50,7 +50,7 @@ TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
        {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
     scene.drive = drive;
     const auto compiled = scene::compileScene(scene, 1);
-    EXPECT_EQ(compiled->problem().tied() != nullptr, drive != solver::Drive::ELIMINATION);
+    EXPECT_EQ(compiled->problem().constraints() != nullptr, drive != solver::Drive::ELIMINATION);
     paths.push_back(trace(*compiled, c.far, 20));
     ASSERT_EQ(paths.back().status, solver::SolveStatus::CONVERGED)
         << solver::driveName(drive) << ": " << paths.back().message;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "snapwing/solver/hessian_layout.h"
@@ -37,6 +38,8 @@ class Coordinates {
   int controlCount() const { return linear_.controlCount(); }
   int rotationCount() const { return static_cast<int>(groups_.size()); }
   const Reduction& linear() const { return linear_; }
+  /// Length L of the rotation that each of the last coordinates turns [m].
+  Eigen::VectorXd rotationLengths() const;
 
   /// @param references  null: all 1
   void at(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references, Place& out) const;
@@ -45,6 +48,8 @@ class Coordinates {
                          const References* references = nullptr) const;
   /// J^T f, J = dy/dz. [N] for f in N
   Eigen::VectorXd pullBack(const Place& at, const Eigen::VectorXd& full) const;
+  /// C J of rows C over full coordinates, (rows x free).
+  ConstraintRows pullBack(const Place& at, const ConstraintRows& rows) const;
   /// The same with the mean of two places' rotations in the place of the slope: dE/ds = [axis] (R0 + R1) / 2. A step
   /// that tests its equations along these keeps energy and angular momentum. Equal to pullBack without rotations.
   Eigen::VectorXd pullBackMean(const Place& start, const Place& end, const Eigen::VectorXd& full) const;
@@ -69,7 +74,8 @@ class Coordinates {
   Reduction linear_;
   int dimension_;
   std::vector<Group> groups_;
-  std::vector<int> plain_;  ///< w -> z, -1 for entries of E; empty without rotations
+  std::vector<int> plain_;                     ///< w -> z, -1 for entries of E; empty without rotations
+  std::vector<std::pair<int, int>> entry_of_;  ///< w -> rotation and entry of E, for those
   int free_ = 0;
 };
 

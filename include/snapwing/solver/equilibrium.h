@@ -1,21 +1,19 @@
 #pragma once
-/// Finds and describes single equilibria of a problem with one control, whatever way its ports and joints are imposed.
-/// Paths, arcs, singular points and exact features are built from these moves.
+/// Finds and describes single equilibria of a problem, whatever way its constraints are enforced. Paths, arcs, singular
+/// points and exact features are built from these moves.
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <memory>
+#include <Eigen/Core>
 
 #include "snapwing/solver/newton.h"
-#include "snapwing/solver/tied_problem.h"
+#include "snapwing/solver/tangent_system.h"
 
 namespace snapwing::solver {
 
 /// A point with its derivatives along the branch, as far as settle() filled them in.
 struct Equilibrium {
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);  ///< the control
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);  ///< the control, or t on a line of controls
   Eigen::VectorXd z;                             ///< free coordinates
-  Eigen::VectorXd multipliers;                   ///< of ties; empty without
+  Eigen::VectorXd multipliers;                   ///< of constraints; empty without
   Evaluation at;                                 ///< of order TANGENT at (z, p)
   Eigen::VectorXd slope, multiplier_slope;       ///< dz/dp, dlambda/dp; zero where they do not exist
   Eigen::VectorXd load;                          ///< d2L/dz dp
@@ -31,42 +29,24 @@ struct BranchPlane {
   double control = 0, control_normal = 0, distance = 0;
 };
 
-/// Linear systems [H C^T; C 0] (H without ties) at one point. The Hessian of a tied problem contains rho C^T C, which
-/// changes nothing where C z = 0; its negative pivots on admissible motions are those of H less those of the Schur
-/// complement S = C H^-1 C^T.
-class TangentSystem {
- public:
-  TangentSystem(const Problem& problem, Cholesky& cholesky) : problem_(problem), cholesky_(cholesky) {}
-  /// @return true if positive definite on admissible motions
-  bool factorizeDefinite(const std::vector<double>& hessian);
-  /// Of any inertia. @return negative pivots, -1 if singular
-  int factorize(const std::vector<double>& hessian);
-  /// Solves H z + C^T lambda = f, C z = g; `lambda` is empty without ties.
-  void solve(const Eigen::VectorXd& f, const Eigen::VectorXd& g, Eigen::VectorXd& z, Eigen::VectorXd& lambda) const;
-  /// The same for several right-hand sides, one a column.
-  void solve(const Eigen::MatrixXd& f, const Eigen::MatrixXd& g, Eigen::MatrixXd& z, Eigen::MatrixXd& lambda) const;
-
- private:
-  int formSchur();
-  template <class Dense>
-  void solveAny(const Dense& f, const Dense& g, Dense& z, Dense& lambda) const;
-
-  const Problem& problem_;
-  Cholesky& cholesky_;
-  Eigen::MatrixXd spread_;  ///< H^-1 C^T
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> schur_;
+/// The controls on a line, p = start + t direction: the one control of a path where a problem has several or none.
+struct ControlLine {
+  Eigen::VectorXd start, direction;  ///< (controls x 1), each in its own unit
 };
 
 class EquilibriumSolver {
  public:
-  /// @param problem  with exactly one control; must outlive this
-  EquilibriumSolver(const Problem& problem, const NewtonSettings& settings);
+  /// @param problem  must outlive this
+  /// @param line     of the controls; may be left out if there is exactly one
+  /// @throws common::Error if the line has other controls than the problem
+  EquilibriumSolver(const Problem& problem, const NewtonSettings& settings, ControlLine line = {});
 
-  /// The problem that is solved: differs from the given one in its multipliers only.
-  const Problem& problem() const { return tied_ ? *tied_ : problem_; }
-  int tieCount() const { return tied_ ? tied_->ties().count() : 0; }
-  /// Moves the places at which ties are held: e of TiedProblem [m]. Only with ties.
-  void setTieConstant(const Eigen::VectorXd& constant) { tied_->setConstant(constant); }
+  const Problem& problem() const { return problem_; }
+  int constraintCount() const { return constraints_ ? constraints_->count() : 0; }
+  /// Another line, for solves to come. @throws common::Error as the constructor
+  void setLine(ControlLine line);
+  /// The problem's controls at the control t of an equilibrium.
+  Eigen::VectorXd controls(double t) const;
   /// Tangent of an evaluation; holds the factor of the last one asked for, until the next equilibrium.
   TangentSystem& system() { return system_; }
   /// The undeformed start at a control.
@@ -101,16 +81,22 @@ class EquilibriumSolver {
 
  private:
   void evaluate(const Equilibrium& x, Order order, Evaluation& at);
-  Eigen::VectorXd gap(const Equilibrium& x) const;
+  void alongLine(Evaluation& at) const;
+  Eigen::VectorXd driven() const;
+  bool closed(const Equilibrium& x) const;
   bool balanced(const Equilibrium& x) const;
+  void estimateMultipliers(Equilibrium& x);
   NewtonResult augment(Equilibrium& x);
   NewtonResult saddle(Equilibrium& x);
   bool saddleDirection(const Equilibrium& x, NewtonResult& result, Eigen::VectorXd& dz, Eigen::VectorXd& dl);
   bool saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x);
+  bool curvedStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x);
 
   const Problem& problem_;
   NewtonSettings settings_;
-  std::unique_ptr<TiedProblem> tied_;  ///< own copy, with the current multipliers
+  const Constraints* constraints_;  ///< the problem's; null without
+  ControlLine line_;
+  bool one_control_ = true;  ///< and no line
   mutable Newton newton_;
   TangentSystem system_;
   Evaluation trial_;

@@ -3,8 +3,9 @@
 /// "joint_equilibrium"):
 ///   min_u  E(u) - f.u   s.t.   H u = h
 /// where nothing is eliminated, so that H may depend on what is designed. The multipliers are the joints' forces. A
-/// `TiedProblem` without controls, solved by `EquilibriumSolver`; what is added here: H is refused by name if its rows
-/// depend on each other, f and h change from solve to solve, and the saddle point serves as the derivatives' system.
+/// `TermProblem` whose controls are h, solved by `EquilibriumSolver`; what is added here: H is refused by name if its
+/// rows depend on each other, f and h change from solve to solve, and the saddle point serves as the derivatives'
+/// system.
 
 #include <limits>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "snapwing/mpm/discretisation.h"
 #include "snapwing/solver/equilibrium.h"
 #include "snapwing/solver/load_term.h"
+#include "snapwing/solver/term_problem.h"
 
 namespace snapwing::solver {
 
@@ -23,7 +25,7 @@ struct JointSettings {
   double force_tolerance = 1e-9;     ///< [N] on |dL/du|
   double gap_tolerance = 1e-11;      ///< [m] largest |H u - h|; times the stiffness: error of a force
   double energy_floor = 0;           ///< [J] smaller changes of the energy are rounding, some 1e-15 E times the volume
-  double stiffness = 0;              ///< [N/m] rho of TiedProblem; > 0
+  double stiffness = 0;              ///< [N/m] rho of Constraints; > 0
   int threads = 1;
 };
 
@@ -66,7 +68,7 @@ class JointEquilibrium {
   std::vector<std::string> names_;
   RowRank rank_;
   std::shared_ptr<LoadTerm> load_;
-  std::unique_ptr<TiedProblem> tied_;
+  std::shared_ptr<const TermProblem> problem_;
   std::unique_ptr<EquilibriumSolver> solver_;
 };
 

@@ -46,6 +46,9 @@ struct NewtonSettings {
   void validate() const;
 };
 
+/// What |r| [N] must come below at an evaluation.
+double residualTolerance(const Problem& problem, const Evaluation& at, double relative);
+
 struct NewtonResult {
   SolveStatus status = SolveStatus::NOT_SOLVED;
   std::string message;                                         ///< what failed and where
@@ -65,12 +68,15 @@ class Newton {
 
   /// @param p  controls
   /// @param z  in: first guess; out: solution if converged, else where it stopped
+  /// @param multipliers  of the problem's constraints, held; empty without constraints
   /// On success `at` holds the evaluation of order TANGENT at z.
-  NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at);
+  NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at,
+                     const Eigen::VectorXd& multipliers = Eigen::VectorXd());
 
   /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none
   /// does
-  bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& d, Eigen::VectorXd& z, Evaluation& at);
+  bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipliers, const Eigen::VectorXd& d,
+                  Eigen::VectorXd& z, Evaluation& at);
 
   /// Forgets how earlier solves went: what follows depends on the next point and on the factor held only.
   void forget() {
@@ -89,10 +95,13 @@ class Newton {
   double secondsAssembly() const { return seconds_assembly_; }
 
  private:
-  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& at);
+  /// What stays as it is during a solve.
+  struct Held {
+    const Eigen::VectorXd &p, &multipliers;
+  };
+  void evaluate(const Eigen::VectorXd& z, const Held& held, Order order, Evaluation& at);
   bool nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
-  bool direction(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Evaluation& at, Eigen::VectorXd& d,
-                 NewtonResult& result);
+  bool direction(const Eigen::VectorXd& z, const Held& held, Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
   double tolerance(const Evaluation& at) const;
 
   const Problem& problem_;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "snapwing/solver/constraints.h"
 #include "snapwing/solver/coordinates.h"
 #include "snapwing/solver/sparse.h"
 #include "snapwing/solver/term.h"
@@ -31,20 +32,25 @@ struct Evaluation {
   Eigen::VectorXd control;   ///< p, same
   Sum sum;                   ///< what the terms added up to, same
   std::vector<Sum> along;    ///< work space of a step's path
-  const Step* step = nullptr;  ///< null in statics
+  const Step* step = nullptr;                  ///< null in statics
+  Eigen::VectorXd gap;                         ///< g of the constraints [m]; empty without
+  std::shared_ptr<const ConstraintRows> rows;  ///< dg/dz at z, of order TANGENT; null without
 };
-
-class TiedProblem;
 
 class Problem {
  public:
   virtual ~Problem() = default;
-  /// Itself, if some constraints are kept as equations; else null.
-  virtual const TiedProblem* tied() const { return nullptr; }
+  /// Constraints that are kept as equations; null if there are none. What is evaluated is then the Lagrangian.
+  virtual const Constraints* constraints() const { return nullptr; }
+  /// True if their rows change with z: joints between bodies that turn.
+  virtual bool curvedConstraints() const { return false; }
   virtual int freeCount() const = 0;
   virtual int controlCount() const = 0;
   virtual const SparsePattern& pattern() const = 0;
   virtual void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const = 0;
+  /// The same at multipliers of the constraints [N], which `evaluate` takes for zero.
+  virtual void evaluateLagrangian(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
+                                  const Eigen::VectorXd& multipliers, Order order, Evaluation& out) const;
   /// Second derivatives with the controls at an evaluation of order TANGENT: d2Pi/dz dp . dp and d2Pi/dp2 . dp.
   virtual void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                               Eigen::VectorXd& control_part) const = 0;
@@ -55,5 +61,8 @@ class Problem {
   /// Words for a place, e.g. "cell (3, 4) of body 0 at (...) m".
   virtual std::string describeCell(int cell) const = 0;
 };
+
+/// Mean diagonal of the Hessian at rest over the coordinates with stiffness [N/m]: what a penalty is measured against.
+double meanStiffness(const Problem& problem);
 
 }  // namespace snapwing::solver

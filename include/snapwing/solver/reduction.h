@@ -16,7 +16,7 @@ struct Equation {
   std::vector<std::pair<int, double>> control;  ///< (control, coefficient)
   double constant = 0;                          ///< [m]
   std::string name;                             ///< support, port or joint that asks for it, for messages
-  bool tie = false;                             ///< port or joint: may be kept as an equation
+  bool keepable = false;                        ///< port or joint: may be kept as an equation
 };
 
 class Reduction {

@@ -2,11 +2,15 @@
 /// Sparse symmetric matrices in compressed columns (lower triangle) and their Cholesky factor (CHOLMOD).
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <memory>
 #include <vector>
 
 namespace snapwing::solver {
+
+/// Rows of linear equations.
+using ConstraintRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// Lower triangle, rows ascending in each column, every diagonal entry present.
 struct SparsePattern {

@@ -45,7 +45,8 @@ struct Point {
   const Eigen::VectorXd& p;    ///< controls, each in its own unit
   const Step* step = nullptr;  ///< null in statics
   int threads = 1;
-  const Memory* kept = nullptr;  ///< of the step's start, by the term that is evaluated
+  const Memory* kept = nullptr;                  ///< of the step's start, by the term that is evaluated
+  const Eigen::VectorXd* multipliers = nullptr;  ///< of constraints [N], for the term that they make; null: zeros
 };
 
 class Term;
@@ -82,6 +83,7 @@ class Term {
     LOAD,         ///< dead loads
     INERTIA,      ///< of a step
     DISSIPATION,  ///< of a step
+    CONSTRAINT,   ///< equations that are kept, which the problem adds itself
   };
   virtual ~Term() = default;
   virtual std::string name() const = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/solver/constraint_term.h"
 #include "snapwing/solver/coordinates.h"
 #include "snapwing/solver/problem.h"
 #include "snapwing/solver/term.h"
@@ -25,10 +26,11 @@ class TermProblem : public Problem {
   struct Parts {
     HessianLayout layout;  ///< with the regions; couples are added by the problem
     std::shared_ptr<const Coordinates> coordinates;
-    std::vector<std::shared_ptr<const Term>> terms;  ///< added in this order
-    int threads = 1;                                 ///< of assembly
-    double force_floor = 0;                          ///< [N] smallest force that counts
-    double energy_floor = 0;                         ///< [J] as Problem::energyFloor
+    std::vector<std::shared_ptr<const Term>> terms;    ///< added in this order
+    int threads = 1;                                   ///< of assembly
+    double force_floor = 0;                            ///< [N] smallest force that counts
+    double energy_floor = 0;                           ///< [J] as Problem::energyFloor
+    std::shared_ptr<const Constraints> constraints{};  ///< kept as equations; null: none
   };
   /// @throws common::Error for sizes that do not fit and couples that do not exist
   explicit TermProblem(Parts parts);
@@ -39,15 +41,23 @@ class TermProblem : public Problem {
   void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const override {
     evaluateAt(z, p, nullptr, nullptr, order, out);
   }
+  void evaluateLagrangian(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& multipliers,
+                          Order order, Evaluation& out) const override {
+    evaluateAt(z, p, nullptr, nullptr, order, out, &multipliers);
+  }
   /// @param references  of the rotations; null: all 1
   /// @param step        null: statics
+  /// @param multipliers of the constraints; null: zeros
   void evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references,
-                  const StepContext* step, Order order, Evaluation& out) const;
+                  const StepContext* step, Order order, Evaluation& out,
+                  const Eigen::VectorXd* multipliers = nullptr) const;
   void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                       Eigen::VectorXd& control_part) const override;
   double forceFloor() const override { return parts_.force_floor; }
   double energyFloor() const override { return parts_.energy_floor; }
   std::string describeCell(int cell) const override;
+  const Constraints* constraints() const override { return constraints_.get(); }
+  bool curvedConstraints() const override { return constraints_ != nullptr && constant_rows_ == nullptr; }
 
   const Coordinates& coordinates() const { return *coordinates_; }
   std::shared_ptr<const Coordinates> sharedCoordinates() const { return coordinates_; }
@@ -57,19 +67,23 @@ class TermProblem : public Problem {
   std::vector<std::shared_ptr<const Memory>> keep(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;
   /// One term alone, by its number in terms(): for ledgers. `sum` is reset before.
   void evaluateTerm(std::size_t term, const Point& at, Order order, Sum& sum) const;
-  /// The same coordinates and layout with more terms behind its own.
+  /// The same coordinates, layout and constraints with more terms behind its own.
   std::shared_ptr<const TermProblem> with(const std::vector<std::shared_ptr<const Term>>& more) const;
   /// d(dPi/dy . v)/d(density) of each cell at an evaluation, dPi/d(density) if v is null. (cells x 1)
   Eigen::VectorXd densityDerivative(const Evaluation& at, const Eigen::VectorXd* v, int cells) const;
 
  private:
+  HessianLayout wholeLayout();
   void sumTerms(const Point& at, Order order, Sum& sum) const;
   void averageStored(const Point& at, const StepContext& context, Order order, Evaluation& out) const;
 
   Parts parts_;
   std::shared_ptr<const Coordinates> coordinates_;
-  std::vector<std::vector<int>> couples_;  ///< places per term
-  HessianLayout layout_;                   ///< with the terms' couples
+  std::shared_ptr<const Constraints> constraints_;       ///< in coordinates that are free
+  std::unique_ptr<const ConstraintTerm> constraint_;     ///< what they add
+  std::shared_ptr<const ConstraintRows> constant_rows_;  ///< by z, if nothing turns
+  std::vector<std::vector<int>> couples_;                ///< places per term, then of the constraints
+  HessianLayout layout_;                                 ///< with the terms' couples
   HessianPullBack pull_back_;
 };
 
@@ -99,6 +113,12 @@ class StepProblem : public Problem {
   void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const override {
     base_->evaluateAt(z, p, references_.get(), step_.get(), order, out);
   }
+  void evaluateLagrangian(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& multipliers,
+                          Order order, Evaluation& out) const override {
+    base_->evaluateAt(z, p, references_.get(), step_.get(), order, out, &multipliers);
+  }
+  const Constraints* constraints() const override { return base_->constraints(); }
+  bool curvedConstraints() const override { return base_->curvedConstraints(); }
   void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                       Eigen::VectorXd& control_part) const override {
     base_->controlTangent(at, dp, free_part, control_part);

@@ -1,5 +1,6 @@
 #pragma once
-/// Follows the equilibria of a problem while one control (the travel of a driven port) goes from value to value.
+/// Follows the equilibria of a problem while one control (the travel of a driven port), or the place on a line of
+/// several, goes from value to value.
 
 #include <functional>
 #include <string>
@@ -13,6 +14,7 @@ namespace snapwing::statics {
 
 struct PathSettings {
   solver::NewtonSettings newton;
+  solver::ControlLine line;     ///< of the controls; may be left out if there is exactly one
   double smallest_step = 1e-3;  ///< [1] share of a wanted step below which the path is given up, in (0, 1]
   bool keep_solutions = true;   ///< store z of every point
   /// Called after each wanted point with its number; returns true to stop.
@@ -59,7 +61,7 @@ PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factor
 /// Steps from point to point with a Hermite predictor; a step that fails is halved.
 class PathFollower {
  public:
-  /// @param problem  with exactly one control; must outlive this
+  /// @param problem  must outlive this. @throws common::Error for a line that does not fit its controls
   PathFollower(const solver::Problem& problem, PathSettings settings);
 
   /// @param start     free coordinates near equilibrium at targets[0]

@@ -12,7 +12,7 @@ namespace snapwing::design {
 
 Mechanism::Mechanism(const scene::Scene& scene, int body, int threads)
     : compiled_(scene::compileScene(scene, threads)), body_(body) {
-  if (compiled_->problem().tied() != nullptr || compiled_->terms().coordinates().rotationCount() > 0) {
+  if (compiled_->problem().constraints() != nullptr || compiled_->terms().coordinates().rotationCount() > 0) {
     throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
   }
   for (int k = static_cast<int>(scene.monitors.size()); k-- > 0;) {

@@ -1,0 +1,197 @@
+// Joints between rigid bodies and closed chains of them, as a user writes them: closed forms, every way of enforcing
+// constraints, dead points.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scene_text.h"
+#include "snapwing/common/error.h"
+
+namespace snapwing::scene {
+namespace {
+
+const std::vector<std::string> DRIVES = {"elimination", "augmented_lagrangian", "multipliers"};
+
+std::string header(int dimension, const std::string& drive, double cell) {
+  return "scene: chain\nlength_unit: mm\ndimension: " + std::to_string(dimension) +
+         (dimension == 2 ? "\nplane: strain\n" : "\n") + "kernel: linear\ncell_size: " + std::to_string(cell) +
+         "\nuse_symmetry: false\ndrive: " + drive + "\n";
+}
+std::string rigidBox(const std::string& name, const std::string& x, const std::string& y) {
+  return "  " + name + ":\n    material: {rigid: true, mass_density: 2000}\n    thickness: 4\n" +
+         "    shape: {box: {x: " + x + ", y: " + y + "}}\n";
+}
+
+/// Two rods that hang in pins, pulled sideways at the lower end of the second.
+std::string doublePendulum(int dimension, const std::string& drive) {
+  const std::string zero = dimension == 2 ? "" : ", 0";
+  return header(dimension, drive, 2) + "gravity: [0, -9.81" + zero + "]\nbodies:\n" +
+         rigidBox("upper", "[-2, 2]", "[-32, 2]") + rigidBox("lower", "[-2, 2]", "[-62, -28]") +
+         "pins:\n  - {name: nail, body: upper, at: [0, 0], kind: line}\n" +
+         (dimension == 3 ? "supports:\n  - {name: wall, body: upper, region: {x: [-2, -2], y: [2, 2], z: [-2, -2]}, "
+                           "hold: z}\n"
+                         : "") +
+         "joints:\n  - {name: elbow, first: upper, second: lower, at: [0, -30]}\n"
+         "loads:\n  - {name: pull, body: lower, region: {y: [-62, -62]}, force: [0.02, 0" +
+         zero + "]}\nmonitors:\n  - {name: first, body: upper, at: [0, -16" + zero +
+         "], radius: 8}\n"
+         "  - {name: second, body: lower, at: [0, -45" +
+         zero + "], radius: 8}\npath: {to: 1, steps: 4}\n";
+}
+
+TEST(RigidChain, TwoBodiesInAPinHangAsTheClosedFormSays) {
+  const double weight = 2000 * 9.81 * 4e-3 * 34e-3 * 4e-3;
+  const auto angle = [&](double force, double lever, double moment) { return std::atan(force * lever / moment); };
+  for (const int dimension : {2, 3}) {
+    for (const std::string& drive : DRIVES) {
+      SCOPED_TRACE(drive + ", " + std::to_string(dimension));
+      const statics::SceneCurve curve = trace(sceneFromText(doublePendulum(dimension, drive)));
+      ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
+      for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
+        const double force = 0.02 * curve.path.points[k].control;
+        EXPECT_NEAR(curve.monitors[k][0], angle(force, 30, 15 * weight + 30 * weight), 1e-8);
+        EXPECT_NEAR(curve.monitors[k][1], angle(force, 32, 15 * weight), 1e-8);
+        EXPECT_TRUE(curve.path.points[k].stable);
+      }
+      EXPECT_GT(curve.monitors.back()[0], 0.1);
+    }
+  }
+}
+
+/// A parallelogram of rods under a soft arm: its rods hang as plumb lines, whatever the arm does, and its lower bar
+/// keeps parallel to the arm's end.
+std::string fourBarOnAnArm(const std::string& drive) {
+  return header(2, drive, 2) +
+         "gravity: [0, -9.81]\nbodies:\n"
+         "  arm:\n    material: {youngs_modulus: 2.0e+7, poisson_ratio: 0.3}\n    thickness: 4\n"
+         "    shape: {box: {x: [0, 40], y: [-2, 2]}}\n" +
+         rigidBox("top", "[40, 84]", "[-2, 2]") + rigidBox("left", "[42, 46]", "[-32, 2]") +
+         rigidBox("right", "[78, 82]", "[-32, 2]") + rigidBox("bottom", "[42, 82]", "[-32, -28]") +
+         "supports:\n  - {name: wall, body: arm, region: {x: [0, 0]}, hold: xy}\n"
+         "joints:\n  - {name: weld, first: arm, second: top, region: {x: [40, 40]}}\n"
+         "  - {name: top left, first: top, second: left, at: [44, 0]}\n"
+         "  - {name: top right, first: top, second: right, at: [80, 0]}\n"
+         "  - {name: bottom left, first: bottom, second: left, at: [44, -30]}\n"
+         "  - {name: bottom right, first: bottom, second: right, at: [80, -30]}\n"
+         "loads:\n  - {name: pull, body: bottom, region: {x: [42, 42], y: [-32, -28]}, force: [-0.03, 0]}\n"
+         "monitors:\n  - {name: top, body: top, at: [62, 0], radius: 12}\n"
+         "  - {name: left, body: left, at: [44, -15], radius: 8}\n"
+         "  - {name: right, body: right, at: [80, -15], radius: 8}\n"
+         "  - {name: bottom, body: bottom, at: [62, -30], radius: 12}\n"
+         "  - {name: sag, body: top, at: [82, 0], direction: [0, 1]}\npath: {to: 1, steps: 4}\n";
+}
+
+TEST(RigidChain, ClosedFourBarHangsOnASoftArm) {
+  const double rod = 2000 * 9.81 * 34e-3 * 4e-3 * 4e-3, bar = 2000 * 9.81 * 40e-3 * 4e-3 * 4e-3;
+  std::vector<statics::SceneCurve> curves;
+  for (const std::string& drive : DRIVES) {
+    SCOPED_TRACE(drive);
+    curves.push_back(trace(sceneFromText(fourBarOnAnArm(drive))));
+    const statics::SceneCurve& curve = curves.back();
+    ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
+    for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
+      const double pull = 0.03 * curve.path.points[k].control;
+      const std::vector<double>& m = curve.monitors[k];
+      // By virtual work in the rods' angle: pull 30 cos = (2 rod 15 + bar 30) sin.
+      EXPECT_NEAR(m[1], -std::atan(30 * pull / (2 * 15 * rod + 30 * bar)), 1e-8);
+      EXPECT_NEAR(m[2], m[1], 1e-10) << "the rods stay parallel";
+      EXPECT_NEAR(m[3], m[0], 1e-10) << "and so do the bars";
+      EXPECT_LT(m[4], -3e-3) << "the arm bends";
+      EXPECT_TRUE(curve.path.points[k].stable);
+    }
+    EXPECT_LT(curve.path.iterations, (drive == "augmented_lagrangian" ? 60 : 12) * 5);
+  }
+  for (const std::size_t other : {1u, 2u}) {
+    for (std::size_t k = 0; k < curves[0].path.points.size(); ++k) {
+      const auto &a = curves[0].path.points[k], &b = curves[other].path.points[k];
+      EXPECT_NEAR(a.force, b.force, 1e-9 * std::abs(curves[0].path.points.back().force)) << "at " << a.control;
+      EXPECT_NEAR(a.energy, b.energy, 1e-9 * a.energy);
+      for (std::size_t m = 0; m < curves[0].monitors[k].size(); ++m) {
+        EXPECT_NEAR(curves[0].monitors[k][m], curves[other].monitors[k][m], 1e-9);
+      }
+    }
+  }
+}
+
+/// A vehicle's ring and housing are rigid, its arm is glued to one and joined to the other.
+TEST(RigidChain, QuarterVehicleIsTheSameWhateverEnforcesItsJoints) {
+  Scene vehicle = loadScene(SCENES + "quarter_vehicle.yaml");
+  vehicle.cell_size = 2e-3;
+  vehicle.steps = 10;
+  statics::TraceSettings tight;
+  tight.newton.relative_tolerance = 1e-12;
+  std::vector<statics::SceneCurve> curves;
+  for (const std::string& drive : DRIVES) {
+    vehicle.drive = solver::driveFromName(drive);
+    // Penalties round at 1e-10 N.
+    if (drive == "augmented_lagrangian") tight.newton.relative_tolerance = 1e-9;
+    if (drive == "multipliers") tight.newton.relative_tolerance = 1e-12;
+    const auto compiled = compileScene(vehicle, 1);
+    EXPECT_EQ(compiled->problem().constraints() != nullptr, drive != "elimination");
+    curves.push_back(statics::traceScene(vehicle, *compiled, tight, {}));
+    ASSERT_EQ(curves.back().path.status, solver::SolveStatus::CONVERGED) << drive << curves.back().path.message;
+  }
+  double peak = 0;
+  for (const auto& p : curves[0].path.points) peak = std::max(peak, std::abs(p.force));
+  for (const std::size_t other : {1u, 2u}) {
+    for (std::size_t k = 0; k < curves[0].path.points.size(); ++k) {
+      const auto &a = curves[0].path.points[k], &b = curves[other].path.points[k];
+      EXPECT_NEAR(a.force, b.force, (other == 1 ? 1e-8 : 1e-9) * peak) << DRIVES[other] << " at " << a.control;
+      EXPECT_EQ(a.negative_pivots, b.negative_pivots) << DRIVES[other] << " at " << a.control;
+    }
+  }
+}
+
+/// Rods in one line with their pins could fold either way: there is no equilibrium that constraints tell there.
+TEST(RigidChain, DeadPointIsNamed) {
+  const std::string text =
+      header(2, "elimination", 2) +
+      "bodies:\n  arm:\n    material: {youngs_modulus: 5.5e+6, poisson_ratio: 0.3}\n    thickness: 4\n"
+      "    shape: {box: {x: [0, 40], y: [-2, 2]}}\n" +
+      rigidBox("top", "[40, 84]", "[-2, 2]") + rigidBox("crank", "[42, 66]", "[-2, 2]") +
+      rigidBox("coupler", "[62, 106]", "[-2, 2]") + rigidBox("rocker", "[72, 106]", "[-2, 2]") +
+      "supports:\n  - {name: wall, body: arm, region: {x: [0, 0]}, hold: xy}\n"
+      "joints:\n  - {name: weld, first: arm, second: top, region: {x: [40, 40]}}\n"
+      "  - {name: crank shaft, first: top, second: crank, at: [44, 0]}\n"
+      "  - {name: crank pin, first: crank, second: coupler, at: [64, 0]}\n"
+      "  - {name: rocker pin, first: coupler, second: rocker, at: [104, 0]}\n"
+      "  - {name: rocker shaft, first: rocker, second: top, at: [74, 0]}\n"
+      "loads:\n  - {name: pull, body: coupler, region: {x: [106, 106]}, force: [0, 0.01]}\n"
+      "path: {to: 1, steps: 2}\n";
+  const statics::SceneCurve curve = trace(sceneFromText(text));
+  EXPECT_EQ(curve.path.status, solver::SolveStatus::SINGULAR);
+  EXPECT_NE(curve.path.message.find("dead point: 'rocker shaft'"), std::string::npos) << curve.path.message;
+}
+
+/// A port that turns a rigid body on a nail: y of its place moves by the control.
+TEST(RigidChain, PortTurnsABodyOnItsNail) {
+  for (const std::string& drive : DRIVES) {
+    SCOPED_TRACE(drive);
+    const std::string text =
+        header(2, drive, 1) +
+        "bodies:\n  strip:\n    material: {youngs_modulus: 5.5e+6, poisson_ratio: 0.3}\n    thickness: 2\n"
+        "    shape: {box: {x: [0, 6], y: [0, 1]}}\n" +
+        rigidBox("block", "[6, 12]", "[0, 1]") +
+        "joints:\n  - {name: low, first: strip, second: block, at: [6, 0]}\n"
+        "  - {name: high, first: strip, second: block, at: [6, 1]}\n"
+        "pins:\n  - {name: nail, body: block, at: [8, 0.5], kind: line}\n"
+        "supports:\n  - {name: wall, body: strip, region: {x: [0, 0]}, hold: xy}\n"
+        "ports:\n  - {name: push, body: block, region: {x: [12, 12], y: [0, 0]}, direction: [0, 1], cross_motion: "
+        "free}\n"
+        "monitors:\n  - {name: turn, body: block, at: [9, 0.5], radius: 2}\npath: {to: 1.5, steps: 6}\n";
+    const Scene scene = sceneFromText(text);
+    const statics::SceneCurve curve = trace(scene);
+    ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
+    for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
+      const double turn = curve.monitors[k][0];
+      EXPECT_NEAR(4e-3 * std::sin(turn) - 0.5e-3 * (std::cos(turn) - 1), curve.path.points[k].control, 1e-12);
+    }
+    EXPECT_GT(curve.monitors.back()[0], 0.3);
+    // The force is the slope of the energy by the travel.
+    const auto& p = curve.path.points;
+    EXPECT_NEAR((p[6].energy - p[4].energy) / (p[6].control - p[4].control), p[5].force, 0.02 * p[5].force);
+  }
+}
+
+}  // namespace
+}  // namespace snapwing::scene
