@@ -101,7 +101,8 @@ struct ModeEstimator::Impl {
   double probability(double quadrotor) const { return (1.0 - lost) * quadrotor + 0.5 * lost; }
   /// Log odds of the likelier mode that hold whatever the error of the particles. @param quadrotor  share of Q
   double surelyAtLeast(double quadrotor) const;
-  /// Mean acceleration that those who believe in a force from outside ascribe to it [m/s2].
+  /// Mean acceleration that those who believe in a force from outside ascribe to it and that drag could not make
+  /// [m/s2].
   double pushOfTouched() const;
   /// Notes for how long a force from outside has been believed to accelerate the vehicle, and whether the mode is
   /// known. @param span  [s]
@@ -243,28 +244,34 @@ void ModeEstimator::Impl::weigh(double specific_force) {
 }
 
 double ModeEstimator::Impl::pushOfTouched() const {
-  double push = 0, weight = 0;
+  double push = 0, drag = 0, weight = 0;
   for (const Particle& particle : particles) {
     if (!particle.outside.touched()) continue;
-    const double mass = particle.model->ringMass(trial) + particle.model->parameters().centre_mass;
+    const vehicle::VehicleParameters& p = particle.model->parameters();
+    const double mass = particle.model->ringMass(trial) + p.centre_mass, v = particle.state.ring_speed;
+    const double resistance =
+        p.ring_drag + p.centre_drag + (settings.mount == vehicle::Mount::BOOM ? p.boom_drag : 0.0);
     push += particle.weight * particle.outside.force / mass;
+    drag += particle.weight * resistance * v * v / mass;
     weight += particle.weight;
   }
-  return weight > 0 ? std::abs(push) / weight : 0.0;
+  return weight > 0 ? std::max(0.0, std::abs(push) - drag) / weight : 0.0;
 }
 
 void ModeEstimator::Impl::follow(double span, double specific_force) {
   touched = shareTouched(particles);
   // A hand may hold the ring for ever, but nobody accelerates it for long. A light touch that only corrects what the
-  // particles get wrong, as the drag of a long flight, says nothing against them.
+  // particles get wrong says nothing against them; nor does one within their drag: a wrong drag on a long flight looks
+  // like a hand that pushes as the square of a speed that nothing measures.
   const double felt = std::abs(specific_force - settings.gravity);
-  const bool pushed = touched > 0.5 && felt > LASTING_FORCE && pushOfTouched() > LASTING_SHARE * felt;
+  const double push = pushOfTouched();
+  const bool pushed = touched > 0.5 && felt > LASTING_FORCE && push > LASTING_SHARE * felt;
   touched_time = pushed ? touched_time + span : 0.0;
   const double odds = surelyAtLeast(shareInQuadrotor(particles, barrier));
   if (odds > DECIDED) sampling_variance = 0;
   const bool sure = odds >= std::log(settings.sure / (1.0 - settings.sure)) && evidence >= LEAST_EVIDENCE;
   if (lost > 0.5 || touched_time > LASTING * settings.outside_time) known = false;
-  if (sure && lost < CLEAR_DOUBT && touched < 0.5) known = true;
+  if (sure && lost < CLEAR_DOUBT && (touched < 0.5 || push == 0.0)) known = true;
 }
 
 double ModeEstimator::Impl::readingDensity(const Particle& particle, double specific_force) const {
