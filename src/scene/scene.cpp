@@ -24,19 +24,33 @@ std::vector<int> readAxes(SettingsReader& r, const std::string& key, int dimensi
   return axes;
 }
 
+/// A region, or of a body without cells a point.
+template <class Entry>
+void readPlace(SettingsReader& m, const Scene& scene, const Reading& in, Entry& entry) {
+  if (scene.bodies[entry.body].hasCells()) {
+    entry.region = in.box(m, "region");
+  } else {
+    entry.at = in.point(m, "at", in.dimension);
+  }
+}
+
 void readSupports(SettingsReader& r, Scene& scene, const Reading& in) {
   if (r.has("supports")) {
     for (SettingsReader& m : r.list("supports")) {
       SceneSupport s;
       s.name = m.text("name");
       s.body = in.body(m);
-      s.region = in.box(m, "region");
+      readPlace(m, scene, in, s);
       s.axes = readAxes(m, "hold", in.dimension);
       m.finish();
       scene.supports.push_back(s);
     }
   }
   if (r.has("symmetry_planes")) {
+    const auto given = [](const SceneBody& b) { return !b.hasCells(); };
+    if (std::any_of(scene.bodies.begin(), scene.bodies.end(), given)) {
+      r.fail("symmetry_planes", "given", "scenes without rigid bodies of given mass");
+    }
     for (SettingsReader& m : r.list("symmetry_planes")) {
       SceneSupport s;
       s.name = m.text("name");
@@ -95,7 +109,7 @@ void readPorts(SettingsReader& r, Scene& scene, const Reading& in) {
     ScenePort port;
     port.name = m.text("name");
     port.body = in.body(m);
-    port.region = in.box(m, "region");
+    readPlace(m, scene, in, port);
     port.direction = in.direction(m);
     port.cross_free = m.choice("cross_motion", {"held", "free"}) == "free";
     m.finish();
@@ -109,7 +123,7 @@ void readLoads(SettingsReader& r, Scene& scene, const Reading& in) {
       SceneLoad load;
       load.name = m.text("name");
       load.body = in.body(m);
-      load.region = in.box(m, "region");
+      readPlace(m, scene, in, load);
       load.force = in.vector(m, "force", "N");
       load.constant = m.booleanOr("constant", false);
       if (!scene.ports.empty() && !load.constant) {
@@ -122,7 +136,7 @@ void readLoads(SettingsReader& r, Scene& scene, const Reading& in) {
   }
   if (r.has("gravity")) {
     scene.gravity = in.vector(r, "gravity", "m/s2");
-    const auto weighs = [](const SceneBody& b) { return b.material.mass_density > 0; };
+    const auto weighs = [](const SceneBody& b) { return b.material.mass_density > 0 || b.given.mass > 0; };
     if (std::none_of(scene.bodies.begin(), scene.bodies.end(), weighs)) {
       r.fail("gravity", "given", "a mass_density > 0 in the material of some body");
     }
@@ -186,6 +200,35 @@ void readNumerics(SettingsReader& r, Scene& scene, const Reading& in) {
   scene.interpolation.void_stiffness = r.numberOr("void_stiffness", 1e-6, {1e-12, 0.1}, "1");
 }
 
+/// Copies take along what holds, drives, loads and joins their original.
+void placeCopies(Scene& scene) {
+  for (int copy = 0; copy < static_cast<int>(scene.bodies.size()); ++copy) {
+    const int original = scene.bodies[copy].copy_of;
+    if (original < 0) continue;
+    const std::string name = " of " + scene.bodies[copy].name;
+    const auto place = [&](auto& entries) {
+      const std::size_t count = entries.size();
+      for (std::size_t k = 0; k < count; ++k) {
+        if (entries[k].body != original) continue;
+        entries.push_back(entries[k]);
+        entries.back().body = copy;
+        entries.back().name += name;
+      }
+    };
+    place(scene.supports);
+    place(scene.pins);
+    place(scene.ports);
+    place(scene.loads);
+    const std::size_t joints = scene.joints.size();
+    for (std::size_t k = 0; k < joints; ++k) {
+      if (scene.joints[k].first != original || scene.bodies[scene.joints[k].second].copy_of == original) continue;
+      scene.joints.push_back(scene.joints[k]);
+      scene.joints.back().first = copy;
+      scene.joints.back().name += name;
+    }
+  }
+}
+
 void identify(const SettingsReader& r, Scene& scene) {
   scene.named_files = r.namedFiles();
   scene.sha256 = common::sha256OfInputs(scene.file, scene.named_files);
@@ -229,15 +272,20 @@ Scene loadScene(const std::string& path) {
   for (const std::string& name : bodies.keys()) {
     in.bodies[name] = static_cast<int>(scene.bodies.size());
     SettingsReader body = bodies.map(name);
-    scene.bodies.push_back(readBody(body, name, in));
+    scene.bodies.push_back(readBody(body, name, in, scene.bodies));
   }
   if (scene.bodies.empty()) r.fail("bodies", "none", "at least one body");
+  const auto filled = [](const SceneBody& b) { return b.hasCells(); };
+  if (std::none_of(scene.bodies.begin(), scene.bodies.end(), filled)) {
+    r.fail("bodies", "none with a shape or a density", "at least one");
+  }
   readSupports(r, scene, in);
   readPinsAndJoints(r, scene, in);
   readDrives(r, scene, in);
   readMonitors(r, scene, in);
   readPath(r, scene, in);
   r.finish();
+  placeCopies(scene);
   identify(r, scene);
   return scene;
 }

@@ -53,7 +53,10 @@ template <int D>
 mpm::Grid<D> SceneCells<D>::makeGrid(int number) const {
   const SceneBody& body = scene_.bodies[number];
   Box box;
-  if (body.shape) {
+  if (!body.hasCells()) {
+    box.low = body.given.centre - Point3::Constant(0.5 * scene_.cell_size);
+    box.high = body.given.centre + Point3::Constant(0.5 * scene_.cell_size);
+  } else if (body.shape) {
     box = body.shape->bounds();
   } else {
     box.low.head<2>().setZero();
@@ -182,6 +185,7 @@ void SceneCells<D>::addBody(int number) {
   cut_kinds_.clear();
   addFullKind(grid);
   solid_->addBody(grid);
+  if (!body.hasCells()) return;
   const double cell_volume = std::pow(grid.cell_size, D);
   std::vector<bool> inside(samples_.size());
   int added = 0;

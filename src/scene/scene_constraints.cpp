@@ -93,6 +93,23 @@ void Constraints<D>::addGroup(const std::string& name, int body, std::vector<int
 }
 
 template <int D>
+const RigidGroup& Constraints<D>::groupOf(int body) const {
+  return *std::find_if(groups_.begin(), groups_.end(), [&](const RigidGroup& g) { return g.body == body; });
+}
+
+template <int D>
+typename Constraints<D>::Weights Constraints<D>::pointWeights(int body, const Vector<D>& point) const {
+  if (scene_.bodies[body].hasCells()) return solid_.interpolate(body, point);
+  const RigidGroup& group = groupOf(body);
+  const Vector<D> arm = (point - group.centre.template head<D>()) / group.turning.length;
+  Weights result = {{group.translation / D, 1.0}};
+  for (int j = 0; j < D; ++j) {
+    if (arm(j) != 0) result.emplace_back(group.turning.first / D + j, arm(j));
+  }
+  return result;
+}
+
+template <int D>
 void Constraints<D>::findGroups() {
   using Eigen::Vector3d;
   for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
@@ -103,6 +120,14 @@ void Constraints<D>::findGroups() {
     }
     std::vector<Vector3d> axes = {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
     if (D == 2) axes = {Vector3d::UnitZ()};
+    const GivenMass& given = scene_.bodies[body].given;
+    if (given.mass > 0) {
+      RigidGroup group{scene_.bodies[body].name, body, {}, given.centre, 0, {}};
+      group.turning.length = std::max(std::sqrt(given.inertia.trace() / given.mass), scene_.cell_size);
+      group.turning.axes = axes;
+      groups_.push_back(std::move(group));
+      continue;
+    }
     addGroup(scene_.bodies[body].name, body, nodes, axes);
   }
   for (const ScenePin& pin : scene_.pins) {
@@ -229,8 +254,13 @@ std::vector<typename Constraints<D>::Weights> Constraints<D>::requireGroups(int 
 
 template <int D>
 void Constraints<D>::hold(const SceneSupport& support, bool required, std::vector<solver::Equation>& list) const {
-  const std::vector<Weights> all =
-      required ? requireGroups(support.body, support.region, support.name) : regionGroups(support.body, support.region);
+  std::vector<Weights> all;
+  if (!scene_.bodies[support.body].hasCells()) {
+    all = {pointWeights(support.body, support.at.head<D>())};
+  } else {
+    all = required ? requireGroups(support.body, support.region, support.name)
+                   : regionGroups(support.body, support.region);
+  }
   for (const Weights& group : all) {
     for (const int axis : support.axes) {
       solver::Equation equation;
@@ -243,7 +273,10 @@ void Constraints<D>::hold(const SceneSupport& support, bool required, std::vecto
 
 template <int D>
 void Constraints<D>::drive(const ScenePort& port, std::vector<solver::Equation>& list) const {
-  for (const Weights& group : requireGroups(port.body, port.region, port.name)) {
+  const std::vector<Weights> all = scene_.bodies[port.body].hasCells()
+                                       ? requireGroups(port.body, port.region, port.name)
+                                       : std::vector<Weights>{pointWeights(port.body, port.at.head<D>())};
+  for (const Weights& group : all) {
     if (port.cross_free) {
       solver::Equation equation{{}, {{0, 1.0}}, 0, port.name};
       for (int a = 0; a < D; ++a) {
@@ -264,16 +297,25 @@ void Constraints<D>::drive(const ScenePort& port, std::vector<solver::Equation>&
 /// Weights of the displacement at (x, y), once per layer of nodes along z.
 template <int D>
 std::vector<typename Constraints<D>::Weights> Constraints<D>::axleLines(int body, double x, double y,
-                                                                        const std::string& name) const {
+                                                                        const std::string& name,
+                                                                        std::vector<double>& heights) const {
   const mpm::Grid<D>& grid = solid_.grid(body);
   Vector<D> point;
   point.setZero();
   point(0) = x, point(1) = y;
   std::vector<Weights> lines;
   if (D == 2) {
-    const Weights w = solid_.interpolate(body, point);
+    const Weights w = pointWeights(body, point);
     if (!w.empty()) lines.push_back(w);
+  } else if (!scene_.bodies[body].hasCells()) {
+    const RigidGroup& group = groupOf(body);
+    if (heights.empty()) heights = {group.centre(2) - group.turning.length, group.centre(2) + group.turning.length};
+    for (const double height : heights) {
+      point(D - 1) = height;
+      lines.push_back(pointWeights(body, point));
+    }
   } else {
+    heights.clear();
     const auto in_x = layers(grid, 0, x), in_y = layers(grid, 1, y);
     const int stride_x = 1, stride_y = grid.nodesAlong(0), stride_z = grid.nodesAlong(0) * grid.nodesAlong(1);
     for (int k = 0; k < grid.nodesAlong(D - 1); ++k) {
@@ -284,7 +326,9 @@ std::vector<typename Constraints<D>::Weights> Constraints<D>::axleLines(int body
           if (node >= 0) w.emplace_back(node, wx * wy);
         }
       }
-      if (!w.empty() && w.size() == in_x.size() * in_y.size()) lines.push_back(w);
+      if (w.empty() || w.size() != in_x.size() * in_y.size()) continue;
+      lines.push_back(w);
+      heights.push_back(grid.nodePosition(k * stride_z)(D - 1));
     }
   }
   if (lines.empty()) throw common::Error("'" + name + "' lies outside of body '" + scene_.bodies[body].name + "'");
@@ -313,11 +357,12 @@ typename Constraints<D>::Weights Constraints<D>::sectionMean(const ScenePin& pin
 template <int D>
 void Constraints<D>::addPin(const ScenePin& pin, std::vector<solver::Equation>& list) const {
   std::vector<Weights> lines;
-  if (pin.kind == PinKind::MEAN) {
+  if (pin.kind == PinKind::MEAN && scene_.bodies[pin.body].hasCells()) {
     lines = {sectionMean(pin)};
   } else {
     // All points of a rigid cylinder's axis move alike across it: the line says so once, the rest is dropped.
-    lines = axleLines(pin.body, pin.x, pin.y, pin.name);
+    std::vector<double> heights;
+    lines = axleLines(pin.body, pin.x, pin.y, pin.name, heights);
   }
   for (const Weights& group : lines) {
     for (int a = 0; a < 2; ++a) {
@@ -330,13 +375,27 @@ void Constraints<D>::addPin(const ScenePin& pin, std::vector<solver::Equation>& 
 }
 
 template <int D>
-void Constraints<D>::tie(const std::string& name, const Weights& first, const Weights& second,
+Point3 Constraints<D>::inSecond(const SceneJoint& joint, const Point3& x) const {
+  const Frame &first = scene_.bodies[joint.first].frame, &second = scene_.bodies[joint.second].frame;
+  if (first.rotation == second.rotation && first.origin == second.origin) return x;
+  return second.toOwn(first.toWorld(x));
+}
+
+/// Displacements are in the axes of each body; the equations are in those of the first.
+template <int D>
+void Constraints<D>::tie(const SceneJoint& joint, const Weights& first, const Weights& second,
                          std::vector<solver::Equation>& list) const {
+  const Frame &one = scene_.bodies[joint.first].frame, &other = scene_.bodies[joint.second].frame;
+  const bool turned = one.rotation != other.rotation;
+  const Eigen::Matrix3d turn = one.rotation.transpose() * other.rotation;
   for (int a = 0; a < D; ++a) {
     solver::Equation equation;
-    equation.name = name;
+    equation.name = joint.name;
     addTerms<D>(equation, first, a, 1);
-    addTerms<D>(equation, second, a, -1);
+    for (int b = 0; b < D; ++b) {
+      const double share = turned ? turn(a, b) : a == b ? 1 : 0;
+      if (share != 0) addTerms<D>(equation, second, b, -share);
+    }
     list.push_back(equation);
   }
 }
@@ -351,13 +410,14 @@ void Constraints<D>::tieSegment(const SceneJoint& joint, std::vector<solver::Equ
     Weights at[2];
     for (const int side : {0, 1}) {
       const int body = side == 0 ? joint.first : joint.second;
-      at[side] = solid_.interpolate(body, x.head<D>());
+      const Point3 own = side == 0 ? x : inSecond(joint, x);
+      at[side] = pointWeights(body, own.head<D>());
       if (at[side].empty()) {
         throw common::Error("'" + joint.name + "' lies outside of body '" + scene_.bodies[body].name + "' at (" +
                             std::to_string(x(0)) + ", " + std::to_string(x(1)) + ", " + std::to_string(x(2)) + ") m");
       }
     }
-    tie(joint.name, at[0], at[1], list);
+    tie(joint, at[0], at[1], list);
   }
 }
 
@@ -366,6 +426,10 @@ template <int D>
 void Constraints<D>::tieFace(const SceneJoint& joint, std::vector<solver::Equation>& list) const {
   const int axis = flatAxis<D>(joint.region);
   if (axis < 0) throw common::Error("'" + joint.name + "': the region of a joint must be flat along one axis");
+  if (!scene_.bodies[joint.first].hasCells()) {
+    throw common::Error("'" + joint.name + "': the first body of a glued face is '" + scene_.bodies[joint.first].name +
+                        "', which has no cells; allowed: one with cells first");
+  }
   const mpm::Grid<D>& grid = solid_.grid(joint.first);
   Vector<D> low, step;
   mpm::Index<D> count{};
@@ -387,8 +451,11 @@ void Constraints<D>::tieFace(const SceneJoint& joint, std::vector<solver::Equati
       x(a) += step(a) * static_cast<double>(rest % count[a]);
       rest /= count[a];
     }
-    const Weights first = solid_.interpolate(joint.first, x), second = solid_.interpolate(joint.second, x);
-    if (!first.empty() && !second.empty()) tie(joint.name, first, second, list);
+    Point3 own = Point3::Zero();
+    own.head<D>() = x;
+    const Weights first = solid_.interpolate(joint.first, x),
+                  second = pointWeights(joint.second, inSecond(joint, own).template head<D>());
+    if (!first.empty() && !second.empty()) tie(joint, first, second, list);
   }
   if (list.size() == before) {
     throw common::Error("'" + joint.name + "' meets no place where both '" + scene_.bodies[joint.first].name +
@@ -400,14 +467,27 @@ template <int D>
 void Constraints<D>::addJoint(const SceneJoint& joint, std::vector<solver::Equation>& list) const {
   if (joint.kind == JointKind::SEGMENT) return tieSegment(joint, list);
   if (joint.kind == JointKind::FACE) return tieFace(joint, list);
-  const auto first = axleLines(joint.first, joint.x, joint.y, joint.name);
-  const auto second = axleLines(joint.second, joint.x, joint.y, joint.name);
+  const Point3 there = inSecond(joint, Point3(joint.x, joint.y, 0));
+  const Eigen::Vector3d along =
+      scene_.bodies[joint.second].frame.rotation.transpose() * scene_.bodies[joint.first].frame.rotation.col(2);
+  if (D == 3 && (along(2) != 1 || there(2) != 0)) {
+    throw common::Error("'" + joint.name +
+                        "': the frames of its bodies do not share the plane z = 0; allowed: those "
+                        "that do, or give the joint as a segment, from and to");
+  }
+  // Of two bodies the one with cells tells the heights of its layers.
+  std::vector<double> heights;
+  const bool cells_first = scene_.bodies[joint.first].hasCells();
+  std::vector<Weights> first, second;
+  if (cells_first) first = axleLines(joint.first, joint.x, joint.y, joint.name, heights);
+  second = axleLines(joint.second, there(0), there(1), joint.name, heights);
+  if (!cells_first) first = axleLines(joint.first, joint.x, joint.y, joint.name, heights);
   if (first.size() != second.size()) {
     throw common::Error("'" + joint.name +
                         "': the joined bodies must have the same thickness there; or give the "
                         "joint as a segment, from and to");
   }
-  for (std::size_t k = 0; k < first.size(); ++k) tie(joint.name, first[k], second[k], list);
+  for (std::size_t k = 0; k < first.size(); ++k) tie(joint, first[k], second[k], list);
 }
 
 template class Constraints<2>;

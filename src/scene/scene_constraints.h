@@ -13,6 +13,8 @@
 namespace snapwing::scene {
 
 /// Nodes that follow one rigid motion: a rigid body, or the section of a pin. Its dofs stand behind those of the nodes.
+/// A rigid body without cells has no nodes. The D-vectors c and the columns of E then take the part of nodes: full
+/// coordinates are D-vectors throughout, so that a point of any body is a weighted sum of "nodes".
 struct RigidGroup {
   std::string name;
   int body = 0;
@@ -34,7 +36,7 @@ int flatAxis(const Box& region) {
 template <int D>
 class Constraints {
  public:
-  using Weights = std::vector<std::pair<int, double>>;  ///< (node, weight)
+  using Weights = std::vector<std::pair<int, double>>;  ///< (node, or D-vector of a rigid group behind them; weight)
 
   Constraints(const Scene& scene, const SceneCells<D>& cells);
 
@@ -43,6 +45,11 @@ class Constraints {
   Eigen::MatrixXd loads() const;
   /// Nodal forces of constant loads, without the weight; zero if there are none.
   Eigen::VectorXd constantLoad() const;
+
+  /// Displacement of a point in the axes of its body; empty if it lies outside.
+  Weights pointWeights(int body, const mpm::Vector<D>& point) const;
+  /// Rigid group of a body without cells.
+  const RigidGroup& groupOf(int body) const;
 
   int dofCount() const { return keptFrom() + D * D * static_cast<int>(groups_.size()); }
   /// First dof that may not be eliminated: the entries of the rigid groups' rotations.
@@ -62,15 +69,22 @@ class Constraints {
   std::vector<Weights> requireGroups(int body, const Box& region, const std::string& name) const;
   void hold(const SceneSupport& support, bool required, std::vector<solver::Equation>& list) const;
   void drive(const ScenePort& port, std::vector<solver::Equation>& list) const;
-  std::vector<Weights> axleLines(int body, double x, double y, const std::string& name) const;
+  /// Displacements of an axle along z, one per layer of nodes. @param heights  their z [m]; of a body without cells
+  /// those that are wanted, or two if there are none
+  std::vector<Weights> axleLines(int body, double x, double y, const std::string& name,
+                                 std::vector<double>& heights) const;
   Weights sectionMean(const ScenePin& pin) const;
   void addPin(const ScenePin& pin, std::vector<solver::Equation>& list) const;
-  void tie(const std::string& name, const Weights& first, const Weights& second,
+  void tie(const SceneJoint& joint, const Weights& first, const Weights& second,
            std::vector<solver::Equation>& list) const;
+  /// A place of the first body of a joint in the coordinates of the second.
+  Point3 inSecond(const SceneJoint& joint, const Point3& x) const;
   void tieSegment(const SceneJoint& joint, std::vector<solver::Equation>& list) const;
   void tieFace(const SceneJoint& joint, std::vector<solver::Equation>& list) const;
   void addJoint(const SceneJoint& joint, std::vector<solver::Equation>& list) const;
   Eigen::VectorXd faceWeights(const SceneLoad& load) const;
+  Weights loadWeights(const SceneLoad& load) const;
+  int loadSize() const;
 
   const Scene& scene_;
   const SceneCells<D>& cells_;

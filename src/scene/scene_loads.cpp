@@ -77,24 +77,49 @@ Eigen::VectorXd Constraints<D>::faceWeights(const SceneLoad& load) const {
 }
 
 template <int D>
+typename Constraints<D>::Weights Constraints<D>::loadWeights(const SceneLoad& load) const {
+  if (!scene_.bodies[load.body].hasCells()) return pointWeights(load.body, load.at.template head<D>());
+  const Eigen::VectorXd weights = faceWeights(load);
+  Weights result;
+  for (int node = 0; node < solid_.nodeCount(); ++node) {
+    if (weights(node) != 0) result.emplace_back(node, weights(node));
+  }
+  return result;
+}
+
+template <int D>
+int Constraints<D>::loadSize() const {
+  const auto given = [](const SceneBody& b) { return !b.hasCells(); };
+  return std::any_of(scene_.bodies.begin(), scene_.bodies.end(), given) ? dofCount() : solid_.dofCount();
+}
+
+template <int D>
 Eigen::MatrixXd Constraints<D>::loads() const {
   Eigen::MatrixXd result;
   for (const SceneLoad& load : scene_.loads) {
     if (load.constant) continue;
-    if (result.size() == 0) result = Eigen::MatrixXd::Zero(solid_.dofCount(), 1);
-    const Eigen::VectorXd weights = faceWeights(load);
-    for (int a = 0; a < D; ++a) {
-      for (int node = 0; node < solid_.nodeCount(); ++node) result(D * node + a, 0) += weights(node) * load.force(a);
+    if (result.size() == 0) result = Eigen::MatrixXd::Zero(loadSize(), 1);
+    for (const auto& [node, weight] : loadWeights(load)) {
+      for (int a = 0; a < D; ++a) result(D * node + a, 0) += weight * load.force(a);
     }
   }
   return result / cells_.multiplicity();
 }
 
 template <int D>
-Weight<D>::Weight(const Scene& scene, const SceneCells<D>& cells)
-    : solid_(cells.solid()), gravity_(scene.gravity.template head<D>()) {
-  load_ = Eigen::VectorXd::Zero(solid_->dofCount());
-  if (gravity_.isZero(0)) return;
+Weight<D>::Weight(const Scene& scene, const SceneCells<D>& cells) : solid_(cells.solid()) {
+  int size = solid_->dofCount(), rigid = 0;
+  for (const SceneBody& body : scene.bodies) {
+    const Point3 own = body.frame.moved() ? Point3(body.frame.rotation.transpose() * scene.gravity) : scene.gravity;
+    gravity_.push_back(own.template head<D>());
+    if (!body.hasCells()) {
+      given_.emplace_back(solid_->dofCount() + D * rigid, body.given.mass * gravity_.back());
+      size = given_.back().first + D;
+    }
+    rigid += body.rigid ? 1 : 0;
+  }
+  load_ = Eigen::VectorXd::Zero(size);
+  if (scene.gravity.template head<D>().isZero(0)) return;
   const int stencil = solid_->stencil();
   mass_.assign(static_cast<std::size_t>(solid_->cellCount()) * stencil, 0.0);
   for (int c = 0; c < solid_->cellCount(); ++c) {
@@ -111,11 +136,12 @@ template <int D>
 void Weight<D>::update() {
   if (mass_.empty()) return;
   load_.setZero();
+  for (const auto& [first, weight] : given_) load_.template segment<D>(first) = weight;
   const int stencil = solid_->stencil();
   for (int c = 0; c < solid_->cellCount(); ++c) {
     for (int a = 0; a < stencil; ++a) {
       load_.template segment<D>(D * solid_->cellNodes(c)[a]) +=
-          solid_->cell(c).density * mass_[static_cast<std::size_t>(c) * stencil + a] * gravity_;
+          solid_->cell(c).density * mass_[static_cast<std::size_t>(c) * stencil + a] * gravity_[solid_->cellBody(c)];
     }
   }
 }
@@ -142,7 +168,7 @@ Eigen::VectorXd Weight<D>::densitySlope(const Eigen::VectorXd& v) const {
   for (int c = 0; c < solid_->cellCount(); ++c) {
     for (int a = 0; a < stencil; ++a) {
       slope(c) += mass_[static_cast<std::size_t>(c) * stencil + a] *
-                  gravity_.dot(v.template segment<D>(D * solid_->cellNodes(c)[a]));
+                  gravity_[solid_->cellBody(c)].dot(v.template segment<D>(D * solid_->cellNodes(c)[a]));
     }
   }
   return slope;
@@ -150,12 +176,11 @@ Eigen::VectorXd Weight<D>::densitySlope(const Eigen::VectorXd& v) const {
 
 template <int D>
 Eigen::VectorXd Constraints<D>::constantLoad() const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(solid_.dofCount());
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(loadSize());
   for (const SceneLoad& load : scene_.loads) {
     if (!load.constant) continue;
-    const Eigen::VectorXd weights = faceWeights(load) / cells_.multiplicity();
-    for (int node = 0; node < solid_.nodeCount(); ++node) {
-      result.template segment<D>(D * node) += weights(node) * load.force.template head<D>();
+    for (const auto& [node, weight] : loadWeights(load)) {
+      result.template segment<D>(D * node) += weight / cells_.multiplicity() * load.force.template head<D>();
     }
   }
   return result;

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "scene_constraints.h"
+#include "scene_inertia.h"
 #include "scene_sensitivity_of.h"
 #include "scene_vtu.h"
 #include "scene_weight.h"
 #include "snapwing/common/error.h"
-#include "snapwing/solver/inertia_term.h"
 #include "snapwing/solver/load_term.h"
 
 namespace snapwing::scene {
@@ -40,6 +40,8 @@ class CompiledSceneOf : public CompiledScene {
     loads_ = std::make_shared<const solver::LoadTerm>(constant.isZero(0) ? Eigen::VectorXd() : constant,
                                                       constraints.loads());
     weight_ = std::make_shared<Weight<D>>(scene_, cells);
+    given_ = givenInertia<D>(scene_, constraints);
+    findPoints(constraints);
     parts.terms.insert(parts.terms.end(), {loads_, weight_});
     if (split.kept.count() > 0) parts.constraints = keep(std::move(split.kept), parts);
     problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
@@ -49,9 +51,11 @@ class CompiledSceneOf : public CompiledScene {
   const solver::TermProblem& terms() const override { return *problem_; }
   std::shared_ptr<const solver::TermProblem> sharedTerms() const override { return problem_; }
   std::shared_ptr<const solver::Term> inertia(mpm::MassKind kind) const override {
-    return std::make_shared<const solver::InertiaTerm<D>>(
-        std::make_shared<const mpm::Mass<D>>(*cells_, massDensities(), geometry_->rules(), kind));
+    auto mass = std::make_shared<const mpm::Mass<D>>(*cells_, massDensities(), geometry_->rules(), kind);
+    if (given_.empty()) return std::make_shared<const solver::InertiaTerm<D>>(std::move(mass));
+    return std::make_shared<const SceneInertia<D>>(std::move(mass), given_);
   }
+  BodyMass bodyMass(int body) const override { return scene::bodyMass<D>(scene_, *geometry_, body); }
   const mpm::Discretisation<2>* planar() const override { return only<2>(*cells_); }
   const mpm::Discretisation<3>* volumetric() const override { return only<3>(*cells_); }
   double multiplicity() const override { return multiplicity_; }
@@ -67,7 +71,7 @@ class CompiledSceneOf : public CompiledScene {
   }
 
   std::vector<double> monitors(const Eigen::VectorXd& z, double p) const override {
-    const Eigen::VectorXd u = displacements(z, p);
+    const Eigen::VectorXd u = full(z, p);
     std::vector<double> values;
     for (int k = 0; k < static_cast<int>(scene_.monitors.size()); ++k) values.push_back(monitor(k, u));
     return values;
@@ -75,10 +79,22 @@ class CompiledSceneOf : public CompiledScene {
 
   mpm::MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const override {
     constexpr double H = 1e-6;  // [m] displacements are linear in z and p but for rigid rotations
-    const Eigen::VectorXd rate = (displacements(z + H * slope, p + H) - displacements(z - H * slope, p - H)) / (2 * H);
-    Vector<D> axis = Vector<D>::Zero();
-    if (!scene_.ports.empty()) axis = -scene_.ports.front().direction.template head<D>();
-    mpm::MovingMass sum = mpm::movingMass<D>(*cells_, massDensities(), rate, axis, geometry_->rules());
+    const Eigen::VectorXd rate = (full(z + H * slope, p + H) - full(z - H * slope, p - H)) / (2 * H);
+    Point3 axis = Point3::Zero();
+    if (!scene_.ports.empty()) {
+      const ScenePort& port = scene_.ports.front();
+      axis = -(scene_.bodies[port.body].frame.rotation * port.direction);
+    }
+    mpm::MovingMass sum = mpm::movingMass<D>(*cells_, massDensities(), inWorld(rate.head(cells_->dofCount())),
+                                             axis.head<D>(), geometry_->rules());
+    int term = 0;
+    for (const SceneBody& body : scene_.bodies) {
+      if (body.hasCells()) continue;
+      sum.mass += body.given.mass;
+      sum.kinetic += 2 * given_[term].kineticEnergy(rate);
+      sum.coupled += axis.dot(body.frame.rotation * given_[term].momentum(rate));
+      ++term;
+    }
     for (double* value : {&sum.mass, &sum.kinetic, &sum.coupled}) *value *= multiplicity_;
     return sum;
   }
@@ -86,6 +102,7 @@ class CompiledSceneOf : public CompiledScene {
   double monitor(int number, const Eigen::VectorXd& u, Eigen::VectorXd* gradient = nullptr) const override {
     const SceneMonitor& m = scene_.monitors[number];
     if (gradient != nullptr) gradient->setZero(cells_->dofCount());
+    if (!scene_.bodies[m.body].hasCells()) return ofGiven(number, u);
     return m.radius > 0 ? rotation(m, u, gradient) : displacement(m, u, gradient);
   }
 
@@ -105,7 +122,7 @@ class CompiledSceneOf : public CompiledScene {
     return std::make_unique<SceneSensitivityOf<D>>(std::move(parts), x);
   }
 
-  std::string vtu(const Eigen::VectorXd& z, double p) const override { return vtuText(*cells_, displacements(z, p)); }
+  std::string vtu(const Eigen::VectorXd& z, double p) const override { return vtuText(*cells_, full(z, p), frames()); }
 
  private:
   template <int Wanted, int Given>
@@ -143,10 +160,30 @@ class CompiledSceneOf : public CompiledScene {
         std::move(rows), enforcement, (curved ? CURVED : PENALTY) * stiffness, GAP * scene_.cell_size, redundant);
   }
 
-  Eigen::VectorXd displacements(const Eigen::VectorXd& z, double p) const {
-    const Eigen::VectorXd controls = Eigen::VectorXd::Constant(1, p);
-    const Eigen::VectorXd all = problem_->coordinates().expand(z, controls);
-    return all.head(cells_->dofCount());
+  Eigen::VectorXd full(const Eigen::VectorXd& z, double p) const {
+    return problem_->coordinates().expand(z, Eigen::VectorXd::Constant(1, p));
+  }
+  std::vector<Frame> frames() const {
+    std::vector<Frame> all;
+    for (const SceneBody& body : scene_.bodies) all.push_back(body.frame);
+    return all;
+  }
+  /// Nodal vectors in the axes of their bodies, turned into those of the world.
+  Eigen::VectorXd inWorld(Eigen::VectorXd u) const {
+    for (int node = 0; node < cells_->nodeCount(); ++node) {
+      const Frame& frame = scene_.bodies[cells_->nodeBody(node)].frame;
+      if (!frame.moved()) continue;
+      u.segment<D>(D * node) = (frame.rotation.template topLeftCorner<D, D>() * u.segment<D>(D * node)).eval();
+    }
+    return u;
+  }
+  /// Where the monitors of bodies without cells look.
+  void findPoints(const Constraints<D>& constraints) {
+    for (const SceneMonitor& m : scene_.monitors) {
+      const bool cells = scene_.bodies[m.body].hasCells();
+      points_.push_back(cells ? typename Constraints<D>::Weights() : constraints.pointWeights(m.body, m.at.head<D>()));
+      turning_.push_back(cells ? solver::Rotation() : constraints.groupOf(m.body).turning);
+    }
   }
 
   double forceFloor() const {
@@ -154,8 +191,24 @@ class CompiledSceneOf : public CompiledScene {
     double stiffest = 0;
     for (const SceneBody& b : scene_.bodies)
       if (!b.rigid) stiffest = std::max(stiffest, b.material.lambda() + 2 * b.material.mu());
-    const double across = D == 2 ? scene_.bodies[0].thickness : scene_.cell_size;
+    const auto filled = [](const SceneBody& b) { return b.hasCells(); };
+    const double thickness = std::find_if(scene_.bodies.begin(), scene_.bodies.end(), filled)->thickness;
+    const double across = D == 2 ? thickness : scene_.cell_size;
     return 1e-13 * stiffest * scene_.cell_size * across;
+  }
+
+  /// Of a body without cells: no gradient, as there are no sensitivities with rigid bodies.
+  double ofGiven(int number, const Eigen::VectorXd& u) const {
+    const SceneMonitor& m = scene_.monitors[number];
+    if (m.radius > 0) {
+      const auto entry = [&](int i, int j) { return u(turning_[number].first + i + D * j); };
+      return std::atan2(entry(1, 0) - entry(0, 1), 2 * turning_[number].length + entry(0, 0) + entry(1, 1));
+    }
+    double value = 0;
+    for (const auto& [node, weight] : points_[number]) {
+      value += weight * m.direction.head<D>().dot(u.segment<D>(D * node));
+    }
+    return value;
   }
 
   double displacement(const SceneMonitor& m, const Eigen::VectorXd& u, Eigen::VectorXd* gradient) const {
@@ -198,6 +251,9 @@ class CompiledSceneOf : public CompiledScene {
   std::shared_ptr<const solver::TermProblem> problem_;
   std::shared_ptr<const solver::LoadTerm> loads_;
   std::shared_ptr<Weight<D>> weight_;
+  std::vector<solver::RigidInertiaTerm> given_;           ///< of bodies without cells
+  std::vector<typename Constraints<D>::Weights> points_;  ///< per monitor, of those
+  std::vector<solver::Rotation> turning_;
   bool rigid_ = false;
 };
 

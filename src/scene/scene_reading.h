@@ -71,6 +71,7 @@ struct Reading {
   }
 };
 
-SceneBody readBody(SettingsReader& r, const std::string& name, const Reading& in);
+/// @param before  the bodies above it
+SceneBody readBody(SettingsReader& r, const std::string& name, const Reading& in, const std::vector<SceneBody>& before);
 
 }  // namespace snapwing::scene

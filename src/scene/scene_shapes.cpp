@@ -1,10 +1,13 @@
 // Reading of bodies: shapes, densities, materials.
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "scene_reading.h"
+#include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/mpm/density_file.h"
 #include "snapwing/mpm/triangle_mesh.h"
+#include "snapwing/solver/rigid_inertia_term.h"
 
 namespace snapwing::scene {
 
@@ -141,11 +144,89 @@ mpm::DensityField readDensity(SettingsReader& r, const Reading& in) {
   return field;
 }
 
+/// Rotation by a vector [rad]; what is a quarter turn to rounding is one.
+Eigen::Matrix3d rotationBy(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d r = Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+  const Eigen::Matrix3d whole = r.array().round();
+  if ((r - whole).cwiseAbs().maxCoeff() < 1e-9) r = whole;
+  return r;
+}
+
+Frame readFrame(SettingsReader& r, const Reading& in) {
+  constexpr double TURNS = 20;  // [rad]
+  SettingsReader m = r.map("frame");
+  Frame frame;
+  if (m.has("origin")) frame.origin = in.point(m, "origin", in.dimension);
+  if (m.has("rotation")) {
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    if (in.dimension == 2) {
+      vector(2) = m.number("rotation", {-TURNS, TURNS}, "rad");
+    } else {
+      const std::vector<double> given = m.numbers("rotation", 3, {-TURNS, TURNS}, "rad");
+      vector = Eigen::Vector3d(given[0], given[1], given[2]);
+    }
+    frame.rotation = rotationBy(vector);
+  }
+  m.finish();
+  return frame;
+}
+
+/// `rigid: {mass: , centre: , inertia: }`.
+void readGivenMass(SettingsReader& r, SceneBody& body, const Reading& in) {
+  SettingsReader m = r.map("rigid");
+  GivenMass& given = body.given;
+  given.mass = m.number("mass", {1e-12, 1e9}, "kg");
+  given.centre = in.point(m, "centre", in.dimension);
+  if (in.dimension == 2) {
+    given.inertia(2, 2) = m.number("inertia", {0, 1e12}, "kg m2");
+  } else {
+    const std::vector<double> i = m.numbers("inertia", 6, {-1e12, 1e12}, "kg m2");
+    given.inertia << i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2];
+    try {
+      solver::RigidMass::of(given.mass, given.centre, given.inertia);
+    } catch (const common::Error& e) {
+      m.fail("inertia", e.what(), "[xx, yy, zz, xy, xz, yz] of a body");
+    }
+  }
+  m.finish();
+  body.rigid = true;
+  body.material = {1, 0, 0};
+  body.extruded = false;
+}
+
+SceneBody readCopy(SettingsReader& r, const Reading& in, const std::vector<SceneBody>& before) {
+  const std::string original = r.text("copy_of");
+  const auto found = in.bodies.find(original);
+  if (found == in.bodies.end() || found->second >= static_cast<int>(before.size()) ||
+      before[found->second].copy_of >= 0) {
+    r.fail("copy_of", "'" + original + "'", "the name of a body above that is no copy itself");
+  }
+  SceneBody body = before[found->second];
+  body.copy_of = found->second;
+  body.frame = readFrame(r, in);
+  r.finish();
+  return body;
+}
+
 }  // namespace
 
-SceneBody readBody(SettingsReader& r, const std::string& name, const Reading& in) {
+SceneBody readBody(SettingsReader& r, const std::string& name, const Reading& in,
+                   const std::vector<SceneBody>& before) {
   SceneBody body;
+  if (r.has("copy_of")) {
+    body = readCopy(r, in, before);
+    body.name = name;
+    return body;
+  }
   body.name = name;
+  if (r.has("frame")) body.frame = readFrame(r, in);
+  if (r.has("rigid")) {
+    readGivenMass(r, body, in);
+    r.finish();
+    return body;
+  }
   readMaterial(r, body);
   if (r.has("density")) {
     body.density = readDensity(r, in);

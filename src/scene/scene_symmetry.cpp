@@ -158,7 +158,14 @@ std::string Mirror::name(int axis) const {
 Mirror findMirrors(const Scene& scene) {
   Mirror mirror;
   if (scene.use_symmetry == SymmetryUse::NONE) return mirror;
-  for (int axis = scene.use_symmetry == SymmetryUse::ALL ? 0 : 2; axis < scene.dimension; ++axis) {
+  bool moved = false;
+  for (const SceneBody& body : scene.bodies) {
+    if (!body.hasCells()) return mirror;
+    moved = moved || body.frame.moved();
+    // Bodies that turn about z and move across it keep planes of equal z.
+    if (body.frame.rotation(2, 2) != 1 || body.frame.origin(2) != 0) return mirror;
+  }
+  for (int axis = scene.use_symmetry == SymmetryUse::ALL && !moved ? 0 : 2; axis < scene.dimension; ++axis) {
     const double at = middle(scene, axis);
     if (std::isfinite(at) && betweenCells(scene, axis, at) && Image(scene, axis, at).wholeScene()) mirror.at[axis] = at;
   }

@@ -117,6 +117,7 @@ template <int D>
 double SceneCells<D>::bodyVolume() const {
   double volume = 0;
   for (int body = 0; body < static_cast<int>(scene_.bodies.size()); ++body) {
+    if (!scene_.bodies[body].hasCells()) continue;
     const bool slice = D == 2 || scene_.bodies[body].extruded;
     volume += !scene_.bodies[body].shape ? volumeOfDensity(body) : slice ? volumeOfSlice(body) : volumeOfSolid(body);
   }

@@ -10,7 +10,7 @@ namespace snapwing::scene {
 using mpm::Vector;
 
 template <int D>
-std::string vtuText(const mpm::Discretisation<D>& solid, const Eigen::VectorXd& u) {
+std::string vtuText(const mpm::Discretisation<D>& solid, const Eigen::VectorXd& u, const std::vector<Frame>& frames) {
   std::map<std::vector<int>, int> number;
   std::ostringstream points, moved, connect, offsets, types, density, det;
   const int order2[] = {0, 1, 3, 2}, order3[] = {0, 1, 3, 2, 4, 5, 7, 6};
@@ -34,8 +34,14 @@ std::string vtuText(const mpm::Discretisation<D>& solid, const Eigen::VectorXd& 
       grid.weights(local, value, slope);
       Vector<D> d = Vector<D>::Zero();
       for (int a = 0; a < solid.stencil(); ++a) d += value(a) * u.template segment<D>(D * solid.cellNodes(c)[a]);
-      points << x(0) << " " << x(1) << " " << (D == 3 ? x(D - 1) : 0.0) << "\n";
-      moved << d(0) << " " << d(1) << " " << (D == 3 ? d(D - 1) : 0.0) << "\n";
+      Point3 place = Point3::Zero(), way = Point3::Zero();
+      place.head<D>() = x;
+      way.head<D>() = d;
+      const Frame& frame = frames[solid.cellBody(c)];
+      place = frame.toWorld(place);
+      if (frame.moved()) way = (frame.rotation * way).eval();
+      points << place(0) << " " << place(1) << " " << place(2) << "\n";
+      moved << way(0) << " " << way(1) << " " << way(2) << "\n";
     }
     offsets << (c + 1) * (1 << D) << " ";
     types << (D == 2 ? 9 : 12) << " ";
@@ -65,7 +71,7 @@ std::string vtuText(const mpm::Discretisation<D>& solid, const Eigen::VectorXd& 
   return text.str();
 }
 
-template std::string vtuText<2>(const mpm::Discretisation<2>&, const Eigen::VectorXd&);
-template std::string vtuText<3>(const mpm::Discretisation<3>&, const Eigen::VectorXd&);
+template std::string vtuText<2>(const mpm::Discretisation<2>&, const Eigen::VectorXd&, const std::vector<Frame>&);
+template std::string vtuText<3>(const mpm::Discretisation<3>&, const Eigen::VectorXd&, const std::vector<Frame>&);
 
 }  // namespace snapwing::scene

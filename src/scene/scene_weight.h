@@ -32,8 +32,9 @@ class Weight : public solver::Term {
   Eigen::VectorXd densitySlope(const Eigen::VectorXd& v) const;
 
   std::shared_ptr<const mpm::Discretisation<D>> solid_;
-  mpm::Vector<D> gravity_;
-  std::vector<double> mass_;  ///< cells x stencil [kg]; empty without gravity
+  std::vector<mpm::Vector<D>> gravity_;                ///< in each body's axes
+  std::vector<std::pair<int, mpm::Vector<D>>> given_;  ///< first coordinate and weight of bodies without cells
+  std::vector<double> mass_;                           ///< cells x stencil [kg]; empty without gravity
   Eigen::VectorXd load_;
 };
 

@@ -24,8 +24,27 @@ enum class SceneKernel { LINEAR, LINEAR_REDUCED, QUADRATIC };
 /// not in scene files.
 enum class SymmetryUse { NONE, THICKNESS, ALL, MIDDLE };
 
+/// Where a body's own coordinates lie: x = rotation X + origin [m]. All that a scene says of a body is in them.
+struct Frame {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Point3 origin = Point3::Zero();
+  bool moved() const { return rotation != Eigen::Matrix3d::Identity() || origin != Point3::Zero(); }
+  Point3 toWorld(const Point3& own) const { return moved() ? Point3(rotation * own + origin) : own; }
+  Point3 toOwn(const Point3& world) const { return moved() ? Point3(rotation.transpose() * (world - origin)) : world; }
+};
+
+/// A rigid body that is told by its mass and has no cells.
+struct GivenMass {
+  double mass = 0;                                    ///< [kg]; 0: it has cells
+  Point3 centre = Point3::Zero();                     ///< [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre [kg m2]; planar: that about z, last entry
+};
+
 struct SceneBody {
   std::string name;
+  Frame frame;
+  GivenMass given;
+  int copy_of = -1;               ///< body that it is a copy of; -1: none
   elasticity::Material material;  ///< of a rigid body only the mass density counts
   bool rigid = false;
   mpm::ShapePtr shape;                               ///< null if given by a density
@@ -34,15 +53,18 @@ struct SceneBody {
   std::vector<std::pair<Box, double>> thickness_in;  ///< later ones win
   bool extruded = true;                              ///< volumetric: the shape bounds itself along z if false
 
+  bool hasCells() const { return !(given.mass > 0); }
   double thicknessAt(double x, double y) const;
 };
 
-/// Displacement components of the part of a body in a region: a face if the region is flat, else all within.
+/// Displacement components of the part of a body in a region: a face if the region is flat, else all within. Of a body
+/// without cells those of a point.
 struct SceneSupport {
   std::string name;
   int body = 0;
   Box region;
   std::vector<int> axes;
+  Point3 at = Point3::Zero();  ///< of a body without cells
 };
 
 enum class PinKind { LINE, MEAN, CYLINDER };
@@ -59,7 +81,7 @@ struct ScenePin {
 enum class JointKind { LINE, SEGMENT, FACE };
 
 /// The same material point of two bodies (volumetric: a line along z through the thickness), or all points of a segment
-/// or of a face, a cell apart.
+/// or of a face, a cell apart. Places are in the coordinates of the first body.
 struct SceneJoint {
   std::string name;
   int first = 0, second = 0;
@@ -76,6 +98,7 @@ struct ScenePort {
   Box region;
   Point3 direction = Point3::Zero();
   bool cross_free = false;
+  Point3 at = Point3::Zero();  ///< of a body without cells
 };
 
 /// Uniform traction on a face; `force` is its total: for control = 1, or whatever the control is if constant.
@@ -85,6 +108,7 @@ struct SceneLoad {
   Box region;
   Point3 force = Point3::Zero();
   bool constant = false;
+  Point3 at = Point3::Zero();  ///< of a body without cells
 };
 
 /// Displacement of a point, or best-fit rotation about it of what lies within a radius.

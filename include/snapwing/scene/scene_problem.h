@@ -19,6 +19,14 @@ struct SceneVolume {
   double bodies = 0;    ///< that of the bodies as stated, by far finer samples
 };
 
+/// Of one body at rest.
+struct BodyMass {
+  double mass = 0;                 ///< [kg]
+  Point3 centre = Point3::Zero();  ///< in the world [m]
+  Eigen::Matrix3d inertia =
+      Eigen::Matrix3d::Zero();  ///< about the centre, in the world's axes [kg m2]; planar: about z
+};
+
 /// What a command needs to know, whatever the dimension. z are the problem's free coordinates, p its one control.
 class CompiledScene {
  public:
@@ -29,6 +37,8 @@ class CompiledScene {
   virtual std::shared_ptr<const solver::TermProblem> sharedTerms() const = 0;
   /// Inertia of all bodies, rigid ones as well, at the densities of now: a term more for a problem in time.
   virtual std::shared_ptr<const solver::Term> inertia(mpm::MassKind kind) const = 0;
+  /// Mass, centre and inertia of a body as it is modelled, at the densities of now.
+  virtual BodyMass bodyMass(int body) const = 0;
   /// The solids of a planar or of a volumetric scene, null otherwise.
   virtual const mpm::Discretisation<2>* planar() const = 0;
   virtual const mpm::Discretisation<3>* volumetric() const = 0;
@@ -42,7 +52,8 @@ class CompiledScene {
   virtual void setDensities(const std::vector<double>& densities) = 0;
   /// Values of the scene's monitors.
   virtual std::vector<double> monitors(const Eigen::VectorXd& z, double p) const = 0;
-  /// One monitor at the solid's nodal displacements. @param gradient  if given, gets the derivative by them, (dofs x 1)
+  /// One monitor at the full coordinates, or without bodies that have no cells at the solid's nodal displacements.
+  /// Bodies with a frame move in its axes. @param gradient  if given, gets the derivative by them, (dofs x 1)
   virtual double monitor(int number, const Eigen::VectorXd& displacements,
                          Eigen::VectorXd* gradient = nullptr) const = 0;
   /// Inertia of the whole against the control, with `slope` dz/dp along the path. The axis points against the direction
