@@ -12,6 +12,7 @@ EXAMPLES = pathlib.Path(__file__).resolve().parent.parent / "examples/cpp"
 # (program, arguments, those with a slash below the installed share folder, words of its output)
 RUNS = [
     ("trace_scene", ["config/scenes/snap_beam.yaml"], "control,force_N,stable"),
+    ("own_term", ["config/scenes/cook_membrane.yaml", "5", "2"], "control,force_N,with_spring_N"),
     ("predict_snap", ["config/vehicles/arris_x220.yaml", "0.7", "0.16"], "switches, snap at"),
     ("plan_pulse", ["config/vehicles/arris_x220.yaml", "F"], "throttle"),
 ]

@@ -1,5 +1,6 @@
 // The hot loop: energy, gradient and Hessian of all cells.
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "snapwing/mpm/discretisation.h"
@@ -126,6 +127,18 @@ void turn(const elasticity::Matrix<D>& m, const double* __restrict slope, double
 
 }  // namespace
 
+#ifndef NDEBUG
+namespace {
+
+/// What a cell adds once for all of its particles: the law's tangent must have it from the density alone.
+template <int D>
+bool sameForAll(const elasticity::CompactTangent<D>& a, const elasticity::CompactTangent<D>& b) {
+  return a.a == b.a && a.a0 == b.a0 && a.b0 == b.b0 && a.c0 == b.c0;
+}
+
+}  // namespace
+#endif
+
 template <int D>
 template <int S>
 typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int number, const Eigen::VectorXd& u,
@@ -145,6 +158,9 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
     const Model& law = *models_[terms[t].model];
     const elasticity::DensityInterpolation::Value& state =
         prepared_[static_cast<std::size_t>(number) * most_terms_ + t];
+#ifndef NDEBUG
+    elasticity::CompactTangent<D> first;
+#endif
     for (int p = 0; p < rule.size(); ++p) {
       const Eigen::Map<const Eigen::Matrix<double, D, S>> slope(rule.slopeOf(p));
       const elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity() + moved * slope.transpose();
@@ -159,6 +175,10 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
       if (order == Order::ENERGY) continue;
       force += w * response.stress * slope;
       if (!tangent) continue;
+#ifndef NDEBUG
+      if (p == 0) first = response.tangent;
+      assert(!response.compact || sameForAll(first, response.tangent));
+#endif
       if (!response.compact) {
         turn<D, S>(elasticity::Matrix<D>::Identity(), rule.slopeOf(p), scratch.rows.data());
         addFull<D, S>(response.full, w, scratch.rows.data(), scratch.matrix.data());

@@ -187,6 +187,35 @@ TEST(SceneWeight, FollowsTheDensities) {
   EXPECT_LT((at_mass.residual - at_density.residual).norm(), 1e-12 * at_mass.residual.norm());
 }
 
+/// The same densities set later, and told by the scene itself.
+TEST(SceneWeight, NewDensitiesAreThoseOfACompilationAnew) {
+  const Scene scene = sceneFromText(heavyColumn(2));
+  const auto later = compileScene(scene, 1);
+  const std::vector<double> rho = densities(later->cellCount(), 0);
+  later->setDensities(rho);
+  const mpm::Discretisation<2>& solid = *later->planar();
+  Scene told = scene;
+  mpm::DensityField field;
+  field.cell_size = solid.grid(0).cell_size;
+  field.cells = {solid.grid(0).cells[0], solid.grid(0).cells[1]};
+  for (int j = 0; j < field.cells[1]; ++j) {
+    for (int i = 0; i < field.cells[0]; ++i) {
+      const int cell = solid.findCell(0, {i, j});
+      field.value.push_back(cell < 0 ? -1 : rho[cell]);
+    }
+  }
+  told.bodies[0].shape = nullptr;
+  told.bodies[0].density = field;
+  const auto anew = compileScene(told, 1);
+  ASSERT_EQ(anew->cellCount(), later->cellCount());
+  const solver::Equilibrium a = solved(*later), b = solved(*anew);
+  EXPECT_NEAR(a.at.energy, b.at.energy, 1e-12 * std::abs(a.at.energy));
+  EXPECT_NEAR(a.force(), b.force(), 1e-12 * std::abs(a.force()));
+  const Eigen::VectorXd one = later->sensitivity(a)->reaction().density,
+                        other = anew->sensitivity(b)->reaction().density;
+  EXPECT_LT((one - other).norm(), 1e-10 * one.norm());
+}
+
 TEST(SceneWeight, ItsSensitivityMatchesDifferences) {
   for (const int dimension : {2, 3}) {
     const Scene scene = sceneFromText(heavyColumn(dimension));
