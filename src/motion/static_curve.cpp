@@ -14,6 +14,13 @@ namespace {
 
 constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
 
+/// Coarse curve, from which steps in time go on: rounding of a solid's light cells may reach 1e-9 of its forces.
+solver::NewtonSettings tolerances() {
+  solver::NewtonSettings settings;
+  settings.relative_tolerance = 1e-8;
+  return settings;
+}
+
 StaticPoint describe(const solver::Equilibrium& x) { return {x.p(0), x.force(), x.stiffness, x.z, x.slope}; }
 
 [[noreturn]] void notFound(double control, const solver::NewtonResult& result) {
@@ -26,7 +33,7 @@ StaticPoint describe(const solver::Equilibrium& x) { return {x.p(0), x.force(), 
 StaticCurve::StaticCurve(const scene::CompiledScene& scene, double to, double step)
     : scene_(scene), barrier_(NONE), valley_(NONE), second_(NONE) {
   if (!(to > 0) || !(step > 0)) throw common::Error("a static curve goes to a control > 0 in steps > 0");
-  solver::EquilibriumSolver solver(scene.problem(), {});
+  solver::EquilibriumSolver solver(scene.problem(), tolerances());
   solver::Equilibrium x = solver.start(Eigen::VectorXd::Zero(scene.problem().freeCount()), 0);
   solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(0, result);
@@ -100,7 +107,7 @@ StaticPoint StaticCurve::at(double control) const {
       std::min_element(points_.begin(), points_.end(), [&](const StaticPoint& a, const StaticPoint& b) {
         return std::abs(a.control - control) < std::abs(b.control - control);
       });
-  solver::EquilibriumSolver solver(scene_.problem(), {});
+  solver::EquilibriumSolver solver(scene_.problem(), tolerances());
   solver::Equilibrium x = solver.start(nearest->z + (control - nearest->control) * nearest->slope, control);
   const solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(control, result);

@@ -39,6 +39,7 @@ Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Schem
   newton.max_iterations = settings.max_iterations;
   newton.relative_tolerance = settings.relative_tolerance;
   newton.projection = settings.projection;
+  newton.keep_factor = settings.keep_factor;
   newton_ = std::make_unique<solver::Newton>(*step_problem_, newton);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(problem_->coordinates().fullCount());
   total_mass_ = momentum(ones).sum();
@@ -167,10 +168,12 @@ void Stepper::account(const MotionState& from, Trial& out) {
   end.stored = account.stored;
   account.imbalance = account.kinetic + account.stored - from.kinetic - from.stored - account.work + account.loss;
   account.min_det_f = out.at.min_det_f;
-  const Eigen::VectorXd change =
-      from.acceleration.size() > 0 ? Eigen::VectorXd(end.acceleration - from.acceleration) : end.acceleration;
-  account.error =
-      meanOverMass(scheme_.localError(change, end.acceleration, step.h, from.last_step > 0 ? from.last_step : step.h));
+  if (settings_.error > 0) {
+    const Eigen::VectorXd change =
+        from.acceleration.size() > 0 ? Eigen::VectorXd(end.acceleration - from.acceleration) : end.acceleration;
+    const double before = from.last_step > 0 ? from.last_step : step.h;
+    account.error = meanOverMass(scheme_.localError(change, end.acceleration, step.h, before));
+  }
   if (problem_->coordinates().rotationCount() > 0) {
     end.references = problem_->coordinates().renew(end.z, from.references.get());
   }

@@ -60,6 +60,11 @@ void readSurroundings(SettingsReader& reader, TrialFile& out) {
 }
 
 void readSteps(SettingsReader& reader, TrialFile& out) {
+  // docs/motion.md: what these steps cost in error.
+  out.steps.largest_step = 0.002;
+  out.steps.relative_tolerance = 1e-6;
+  // A planar tangent costs little more than a residual, a solid's factor far more.
+  out.steps.keep_factor = out.rung == TrialRung::VOLUMETRIC;
   if (!reader.has("time")) return;
   SettingsReader time = reader.map("time");
   if (time.has("scheme")) {

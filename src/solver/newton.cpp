@@ -100,7 +100,16 @@ bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& resu
 
 bool Newton::direction(const Eigen::VectorXd& z, const Held& held, Evaluation& at, Eigen::VectorXd& d,
                        NewtonResult& result) {
-  if (nearby(at, d, result)) return true;
+  if (along_) {
+    d = -cholesky_.solve(at.residual);
+    ++result.iterations;
+    return d.allFinite();
+  }
+  if (settings_.keep_factor) {
+    evaluate(z, held, Order::TANGENT, at);
+  } else if (nearby(at, d, result)) {
+    return true;
+  }
   bool good = false;
   if (settings_.projection == Projection::ON_DEMAND) {
     ++result.factorizations;
@@ -141,7 +150,7 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipl
   double length = 1;
   for (int trial = 0; trial < 40; ++trial, length *= 0.5) {
     const Eigen::VectorXd candidate = z + length * d;
-    evaluate(candidate, held, trial == 0 ? Order::TANGENT : Order::STRESS, trial_);
+    evaluate(candidate, held, trial == 0 && !settings_.keep_factor ? Order::TANGENT : Order::STRESS, trial_);
     if (!trial_.finite) continue;
     const bool lower = at.potential ? trial_.energy <= at.energy + 1e-4 * length * slope
                                     : trial_.residual.norm() <= (1 - 1e-4 * length) * at.residual.norm();
@@ -149,7 +158,7 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipl
     const bool flatter = at.potential && trial_.energy <= at.energy + rounding && slope_there >= 0.9 * slope &&
                          slope_there <= -0.998 * slope;
     if (!lower && !flatter) continue;
-    if (trial > 0) evaluate(candidate, held, Order::TANGENT, trial_);
+    if (trial > 0 && !settings_.keep_factor) evaluate(candidate, held, Order::TANGENT, trial_);
     z = candidate;
     std::swap(at, trial_);
     return true;
@@ -171,7 +180,7 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
     result.message = message;
     return result;
   };
-  evaluate(z, held, Order::TANGENT, at);
+  evaluate(z, held, settings_.keep_factor ? Order::STRESS : Order::TANGENT, at);
   if (!at.finite) {
     std::ostringstream text;
     text << "det F = " << at.min_det_f << " in " << problem_.describeCell(at.min_det_f_cell);
@@ -184,6 +193,7 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
     result.residual = at.residual.norm();
     // An old factor is for the last digits of a solution that is near, not for the way there, nor for rounding.
     old_factor_serves_ = iteration == 0 || result.residual < 0.1 * before;
+    along_ = settings_.keep_factor && cholesky_.definite() && (iteration == 0 || result.residual < 0.25 * before);
     if (result.residual <= tolerance(at)) return finish(SolveStatus::CONVERGED, "");
     if (iteration == settings_.max_iterations) break;
     if (settings_.cancelled && settings_.cancelled()) return finish(SolveStatus::CANCELLED, "cancelled");
@@ -192,6 +202,10 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
                     "the Hessian has no Cholesky factor even when projected: is every body supported?");
     }
     if (!lineSearch(p, multipliers, d, z, at)) {
+      if (along_) {  // the factor of another point may point uphill
+        cholesky_.drop();
+        continue;
+      }
       std::ostringstream text;
       text << "no shorter step lowers the energy; |r| = " << result.residual << " N, smallest det F = " << at.min_det_f
            << " in " << problem_.describeCell(at.min_det_f_cell);

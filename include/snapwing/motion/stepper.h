@@ -33,6 +33,7 @@ struct StepperSettings {
   double relative_tolerance = 1e-8;  ///< of Newton, as in NewtonSettings
   int max_iterations = 30;
   solver::Projection projection = solver::Projection::ON_DEMAND;
+  bool keep_factor = false;  ///< as in NewtonSettings
   /// @throws common::Error naming the member
   void validate() const;
 };

@@ -40,6 +40,9 @@ struct NewtonSettings {
   int max_iterations = 60;           ///< [1] >= 1
   double relative_tolerance = 1e-9;  ///< [1] in (0, 1e-2]
   Projection projection = Projection::ON_DEMAND;
+  /// Steps go along with the factor of an earlier solve as long as each cuts the residual to a quarter, and assemble no
+  /// tangent meanwhile: for steps in time, whose Hessians hardly change. What is converged is the same.
+  bool keep_factor = false;
   /// Asked before each iteration; true stops.
   std::function<bool()> cancelled;
   /// @throws common::Error naming the field
@@ -69,7 +72,7 @@ class Newton {
   /// @param p  controls
   /// @param z  in: first guess; out: solution if converged, else where it stopped
   /// @param multipliers  of the problem's constraints, held; empty without constraints
-  /// On success `at` holds the evaluation of order TANGENT at z.
+  /// On success `at` holds the evaluation of order TANGENT at z, with keep_factor of order STRESS.
   NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at,
                      const Eigen::VectorXd& multipliers = Eigen::VectorXd());
 
@@ -111,6 +114,7 @@ class Newton {
   int patience_ = 0;  ///< factorizations to wait before an old factor is tried again
   bool old_factor_serves_ = true;
   bool factor_is_recent_ = false;  ///< of an iterate of the solve that runs
+  bool along_ = false;             ///< the next step keeps the factor
   double seconds_assembly_ = 0;
 };
 
