@@ -69,7 +69,8 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
                         "': its arm has no second equilibrium up to limits.travel_max at " +
                         "these cells; a trial needs a bistable one");
   }
-  share_ = 1 / (vehicle.arm.count * scene_->multiplicity());
+  arms_ = vehicle.arm.count;
+  share_ = 1 / (arms_ * scene_->multiplicity());
   nodes_ = scene_->terms().coordinates().fullCount();
   const bool held = trial.mount == Mount::HELD;
   ring_ = held ? -1 : nodes_;
@@ -223,6 +224,34 @@ std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
                         ": the material's law has no loss in Q at these cells; allowed: travel");
   }
   return materialDamping(share_ * c / unit);
+}
+
+vehicle::ForceTable AxisVehicle::staticTable() const {
+  vehicle::ForceTable table;
+  table.arm_count = arms_;
+  const double whole = scene_->multiplicity();
+  double energy = 0;
+  for (std::size_t k = 0; k < curve_->points().size(); ++k) {
+    const StaticPoint& point = curve_->points()[k];
+    if (k > 0) {  // integral of the cubic
+      const StaticPoint& before = curve_->points()[k - 1];
+      const double h = point.control - before.control;
+      energy += h / 2 * (before.force + point.force) + h * h / 12 * (before.stiffness - point.stiffness);
+    }
+    const mpm::MovingMass moved = scene_->movingMass(point.z, point.control, point.slope);
+    table.travel.push_back(point.control);
+    table.force.push_back(whole * point.force);
+    table.stiffness.push_back(whole * point.stiffness);
+    table.energy.push_back(whole * energy);
+    table.kinetic_mass.push_back(moved.kinetic);
+    table.coupled_mass.push_back(moved.coupled);
+    table.mass = moved.mass;
+  }
+  table.rotation.assign(table.travel.size(), 0.0);
+  table.min_det_f.assign(table.travel.size(), 1.0);
+  table.stable.assign(table.travel.size(), 1);
+  table.iterations.assign(table.travel.size(), 0);
+  return table;
 }
 
 /// Steps that keep no motion end where the vehicle accelerates as a whole and nothing else moves.

@@ -14,6 +14,7 @@
 #include "snapwing/motion/static_curve.h"
 #include "snapwing/motion/stepper.h"
 #include "snapwing/scene/arm_scene.h"
+#include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/mode.h"
 #include "snapwing/vehicle/trial.h"
 #include "snapwing/vehicle/vehicle_parameters.h"
@@ -57,6 +58,10 @@ class AxisVehicle {
   const StaticCurve& curve() const { return *curve_; }
   double armMass() const { return arm_mass_; }  ///< of all arms [kg]
 
+  /// The static curve with the arm's inertia as a table of one arm, without provenance: what the lumped model needs to
+  /// be compared with this solid and not with another.
+  vehicle::ForceTable staticTable() const;
+
   /// At rest in the equilibrium of a mode under the trial's loads before the pulse, moving with its initial speed.
   /// @param thrust  [N] of the vehicle; @param held  false if the mode is no equilibrium under these loads
   MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const;
@@ -94,6 +99,7 @@ class AxisVehicle {
   double share_ = 1, arm_mass_ = 0;
   int nodes_ = 0;  ///< coordinates of the arm's nodes
   int ring_ = -1, centre_ = 0;
+  int arms_ = 1;
   std::shared_ptr<const solver::TermProblem> problem_;
 };
 

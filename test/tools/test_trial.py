@@ -1,0 +1,84 @@
+"""`snapwing trial`: its files, what it refuses, and that a killed run goes on to the same bits."""
+import json
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+from command import ROOT, Case
+
+TRIAL = """trial: short
+vehicle: {root}/config/vehicles/arris_x220.yaml
+mount: boom
+start: F
+initial_thrust: 0
+pulse: {{thrust: 0.5, duration: 0.06}}
+rung: planar
+solid: {{cell_size: 0.0025}}
+"""
+
+
+class Trial(Case):
+    def text(self, *changes):
+        text = TRIAL.format(root=ROOT)
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        return text
+
+    def test_both_rungs_answer_alike(self):
+        found = {}
+        for rung in ("planar", "lumped"):
+            text = self.text() if rung == "planar" else self.text(("rung: planar", "rung: lumped"), ("solid: {cell_size: 0.0025}\n", ""))
+            self.snapwing("trial", self.file(f"{rung}.yaml", text), "-o", rung, "-q")
+            found[rung] = json.loads((self.folder / rung / "summary.json").read_text())["outcome"]
+            self.assertTrue((self.folder / rung / "series.csv").read_text().startswith("time_s,travel_m,"))
+        for key in ("start_mode", "end_mode", "snapped"):
+            self.assertEqual(found["planar"][key], found["lumped"][key])
+        self.assertAlmostEqual(found["planar"]["snap_time"], found["lumped"]["snap_time"], delta=0.005)
+        self.assertFalse((self.folder / "planar" / "checkpoint.bin").exists())
+
+    def test_a_killed_run_goes_on_to_the_same_bits(self):
+        path = self.file("t.yaml", self.text())
+        self.snapwing("trial", path, "-o", "whole", "-q")
+        command = [os.environ["SNAPWING"], "trial", str(path), "-o", "part", "-q"]
+        child = subprocess.Popen(command, cwd=self.folder)
+        checkpoint = self.folder / "part" / "checkpoint.bin"
+        deadline = time.monotonic() + 60
+        while not checkpoint.exists() and child.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.002)
+        child.send_signal(signal.SIGKILL)
+        child.wait()
+        self.assertTrue(checkpoint.exists(), "the run ended before it could be killed")
+        self.snapwing("trial", path, "-o", "part", "-q")
+        self.assertEqual((self.folder / "part" / "series.csv").read_bytes(), (self.folder / "whole" / "series.csv").read_bytes())
+
+    def test_bad_trials_are_refused_by_key_value_and_range(self):
+        for change, words in ((("duration: 0.06", "duration: -1"), ("pulse.duration", "-1", "0")),
+                              (("start: F", "start: R"), ("start", "R", "F")),
+                              (("mount: boom", "mount: rope"), ("mount", "rope", "boom")),
+                              (("rung: planar", "rung: exact"), ("rung", "exact", "planar")),
+                              (("mount: boom", "mount: free"), ("wings", "wings: off")),
+                              (("initial_thrust: 0", "initial_thrust: .nan"), ("initial_thrust",)),
+                              (("rung: planar", "rung: planar\nhand: {}"), ("hand",)),
+                              (("thrust: 0.5, ", ""), ("throttle", "missing")),
+                              (("cell_size: 0.0025", "cell_size: 0.5"), ("solid.cell_size", "0.5", "0.02")),
+                              (("rung: planar", "uncertain: {motor: 1}\nrung: planar"), ("motor",)),
+                              (("rung: planar", "time: {bias: 0.1, scheme: backward_euler}\nrung: planar"), ("bias", "midpoint"))):
+            with self.subTest(change=change):
+                said = self.refusal("trial", self.file("bad.yaml", self.text(change)), "-o", "bad", "-q")
+                for word in words:
+                    self.assertIn(word, said)
+                self.assertFalse((self.folder / "bad" / "summary.json").exists())
+
+    def test_a_checkpoint_of_another_trial_is_refused(self):
+        path = self.file("t.yaml", self.text())
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "checkpoint.bin").write_bytes(b"nothing of ours")
+        said = self.refusal("trial", path, "-o", "out", "-q")
+        self.assertIn("checkpoint.bin", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
