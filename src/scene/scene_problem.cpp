@@ -153,7 +153,10 @@ class CompiledSceneOf : public CompiledScene {
     constexpr double TRAVEL = 0.01;  // cells
     const solver::Drive enforcement =
         scene_.drive == solver::Drive::ELIMINATION ? solver::Drive::MULTIPLIERS : scene_.drive;
-    const bool curved = enforcement == solver::Drive::MULTIPLIERS && parts.coordinates->rotationCount() > 0;
+    const auto deforms = [](const SceneBody& b) { return !b.rigid; };
+    // Against weight alone, where nothing deforms, steepness is what holds the joints.
+    const bool curved =
+        parts.coordinates->rotationCount() > 0 && std::any_of(scene_.bodies.begin(), scene_.bodies.end(), deforms);
     const double stiffness = stiffnessAtRest(solver::TermProblem(parts));
     const int redundant = solver::redundantRows(*parts.coordinates, rows, TRAVEL * scene_.cell_size);
     return std::make_shared<const solver::Constraints>(
