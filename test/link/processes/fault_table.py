@@ -36,9 +36,20 @@ def end_on_sigterm():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
 
 
+def end_worker(*_):
+    """Closes what is open; what cannot be closed (a pipe that somebody still reads) is killed with the whole group. Being told once is enough: a
+    second time would break off the closing."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    last_resort = threading.Timer(5, os.killpg, (0, signal.SIGKILL))
+    last_resort.daemon = True
+    last_resort.start()
+    sys.exit(128 + signal.SIGTERM)
+
+
 def begin_worker(parent):
     """A worker ends, with all its programs, when it is told to or when its parent is gone."""
-    end_on_sigterm()
+    os.setpgid(0, 0)
+    signal.signal(signal.SIGTERM, end_worker)
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:
         sys.exit(1)
