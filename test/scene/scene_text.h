@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 #include <string>
 
+#include "snapwing/common/error.h"
 #include "snapwing/statics/scene_curve.h"
+#include "support/own_folder.h"
 #include "support/paths.h"
 
 namespace snapwing::scene {
@@ -15,11 +16,19 @@ namespace snapwing::scene {
 inline const std::string SCENES = test::sourceDir() + "/config/scenes/";
 
 inline Scene sceneFromText(const std::string& text) {
-  std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  std::replace(test.begin(), test.end(), '/', '_');  // parameterised tests
-  const std::string path = ::testing::TempDir() + "scene_" + test + ".yaml";
+  const std::string path = test::ownFolder() + "scene.yaml";
   std::ofstream(path) << text;
   return loadScene(path);
+}
+
+/// Why a scene is not compiled, or "accepted".
+inline std::string reasonFor(const std::string& text) {
+  try {
+    compileScene(sceneFromText(text), 1);
+  } catch (const common::Error& e) {
+    return e.what();
+  }
+  return "accepted";
 }
 
 inline statics::SceneCurve trace(const Scene& scene) {

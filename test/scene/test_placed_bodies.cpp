@@ -223,15 +223,6 @@ TEST(BodyMass, IsThatOfTheClosedForms) {
   EXPECT_NEAR(planar->bodyMass(0).mass, 1200 * 6e-3 * 1e-3 * 2e-3, 1e-18);
 }
 
-std::string reasonFor(const std::string& text) {
-  try {
-    compileScene(sceneFromText(text), 1);
-  } catch (const common::Error& e) {
-    return e.what();
-  }
-  return "accepted";
-}
-
 TEST(PlacedBodies, WhatMakesNoSenseIsRefusedByKeyValueAndRange) {
   const auto refused = [](const std::string& text, const std::vector<std::string>& words) {
     const std::string reason = reasonFor(text);

@@ -263,15 +263,6 @@ TEST(Rigid, OpenAxesAreFoundOrRefused) {
   EXPECT_THROW(solver::openAxes<3>(t, {{{entry(0, 0, 1)}, {}, 0, "slot"}}, all, "b"), common::Error);
 }
 
-std::string reasonFor(const std::string& text) {
-  try {
-    compileScene(sceneFromText(text), 1);
-  } catch (const common::Error& e) {
-    return e.what();
-  }
-  return "accepted";
-}
-
 TEST(Rigid, WhatCannotBeToldIsRefused) {
   const std::string turned = stripAndBlock(2, "linear",
                                            "pins:\n  - {name: nail, body: block, at: [8, 0.5], kind: line}\n"

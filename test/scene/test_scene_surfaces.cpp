@@ -28,15 +28,6 @@ const char* const PULLED_3 =
     "ports:\n  - {name: right, region: {x: [20, 20]}, direction: [1, 0, 0], cross_motion: free}\n"
     "path: {to: 0.02, steps: 1}\n";
 
-std::string messageOf(const std::string& text) {
-  try {
-    compileScene(sceneFromText(text), 1);
-  } catch (const common::Error& e) {
-    return e.what();
-  }
-  return "accepted";
-}
-
 const char* const STEPPED =
     "    thickness: 5\n    shape:\n      union:\n        - box: {x: [0, 10], y: [0, 4]}\n"
     "        - box: {x: [0, 4], y: [0, 8]}\n";
@@ -54,9 +45,9 @@ TEST(SceneLoads, ActOnTheSurfaceWhereverItIs) {
       trace(sceneFromText(bar(2, 1, STEPPED, pressed("{x: [4, 10], y: [4, 4]}", "[0, -0.03]")))).monitors[1][0];
   EXPECT_NEAR(all, -4.0e-6, 0.5e-6);
   EXPECT_NEAR(all, named, 1e-12);
-  EXPECT_NE(messageOf(bar(2, 1, STEPPED, pressed("{x: [0, 4], y: [4, 4]}", "[0, -0.03]"))).find("meets no surface"),
+  EXPECT_NE(reasonFor(bar(2, 1, STEPPED, pressed("{x: [0, 4], y: [4, 4]}", "[0, -0.03]"))).find("meets no surface"),
             std::string::npos);
-  EXPECT_NE(messageOf(bar(2, 1, STEPPED, pressed("{y: [9, 9]}", "[0, -0.03]"))).find("meets no material"),
+  EXPECT_NE(reasonFor(bar(2, 1, STEPPED, pressed("{y: [9, 9]}", "[0, -0.03]"))).find("meets no material"),
             std::string::npos);
 }
 

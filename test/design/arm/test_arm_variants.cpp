@@ -13,6 +13,7 @@
 #include "snapwing/solver/newton.h"
 #include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/path.h"
+#include "support/own_folder.h"
 #include "support/paths.h"
 
 namespace snapwing::design {
@@ -194,7 +195,7 @@ std::string switchWith(const std::string& from, const std::string& to) {
   const std::size_t at = scene.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   if (at != std::string::npos) scene.replace(at, from.size(), to);
-  const std::string folder = ::testing::TempDir();
+  const std::string folder = test::ownFolder();
   std::ofstream(folder + "switch_scene.yaml") << scene;
   std::string design = common::readFile(ROOT + "/config/designs/mechanism_switch.yaml");
   design.replace(design.find("../scenes/switch_domain.yaml"), 28, "switch_scene.yaml");
