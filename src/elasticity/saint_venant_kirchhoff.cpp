@@ -2,15 +2,11 @@
 
 #include <Eigen/Dense>
 
+#include "snapwing/elasticity/green_strain.h"
+
 namespace snapwing::elasticity {
 
 namespace {
-
-/// Green's strain of I + h; no digits cancel at small h.
-template <int D>
-Matrix<D> greenStrain(const Matrix<D>& h) {
-  return 0.5 * (h + h.transpose() + h.transpose() * h);
-}
 
 /// A symmetric tangent without its negative eigenvalues, or with their magnitudes.
 template <int D>

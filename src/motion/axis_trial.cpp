@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/plain_text.h"
+#include "snapwing/vehicle/rotor_lag.h"
 
 namespace snapwing::motion {
 
@@ -63,24 +63,18 @@ const ThrustHistory::Piece& ThrustHistory::pieceAt(double time) const {
 
 double ThrustHistory::at(double time) const {
   const Piece& piece = pieceAt(time);
-  if (piece.thrust == piece.wanted) return piece.wanted;
-  return piece.wanted + (piece.thrust - piece.wanted) * std::exp(-(time - piece.time) / lag(piece));
+  if (!(time > piece.time) || std::isinf(piece.time)) return piece.thrust;
+  return vehicle::laggedThrust(piece.thrust, piece.wanted, up_, down_, time - piece.time).end;
 }
 
 double ThrustHistory::mean(double from, double until) const {
-  const Piece& piece = pieceAt(from);
-  if (piece.thrust == piece.wanted) return piece.wanted;
-  const double tau = lag(piece), h = until - from;
-  return piece.wanted + (at(from) - piece.wanted) * -std::expm1(-h / tau) * tau / h;
+  return vehicle::laggedThrust(at(from), pieceAt(from).wanted, up_, down_, until - from).mean;
 }
 
 AxisTrial AxisTrial::of(vehicle::Mode start, double fraction, double duration,
                         const vehicle::VehicleParameters& parameters, double idle, const vehicle::Trial& trial) {
-  const auto require = [](bool good, const std::string& what, double value, const std::string& allowed) {
-    if (!good) throw common::Error(what + " is " + common::toText(value) + "; allowed: " + allowed);
-  };
-  require(fraction >= 0 && fraction <= 1, "thrust fraction", fraction, "0 .. 1");
-  require(duration >= 0 && duration <= 60, "duration", duration, "0 .. 60 s");
+  common::requireWithin("trial", "thrust fraction", fraction, 0, 1);
+  common::requireWithin("trial", "duration", duration, 0, 60);
   AxisTrial out;
   out.start = start;
   out.fraction = fraction;

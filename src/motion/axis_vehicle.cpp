@@ -38,12 +38,6 @@ scene::Scene armOf(const vehicle::Vehicle& vehicle, double force_scale, const Ax
   return scene;
 }
 
-/// Coordinates along the thrust axis: y of every node.
-template <class Vector>
-void setAxis(Vector&& nodes, int dimension, double value) {
-  for (Eigen::Index k = 1; k < nodes.size(); k += dimension) nodes(k) = value;
-}
-
 }  // namespace
 
 DampingLaw dampingFromName(const std::string& name) {
@@ -57,7 +51,7 @@ std::string dampingName(DampingLaw law) { return DAMPING[static_cast<std::size_t
 
 AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
                          const vehicle::Trial& trial, const AxisSettings& settings)
-    : trial_(trial), settings_(settings), vehicle_name_(vehicle.name), stop_(vehicle.limits.travel_min) {
+    : trial_(trial), settings_(settings), stop_(vehicle.limits.travel_min) {
   if (trial.wings.value_or(false)) {
     throw common::Error("wings is on; allowed on this rung: off (the wings' linkage is in the lumped rung)");
   }
@@ -76,20 +70,11 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   ring_ = held ? -1 : nodes_;
   centre_ = held ? nodes_ : nodes_ + 1;
   auto coordinates = std::make_shared<const solver::Coordinates>(eliminate(), settings.dimension);
-  solver::HessianLayout layout(centre_ + 1);
-  if (settings.dimension == 2) {
-    layout.addRegion(0, scene_->planar()->pattern());
-  } else {
-    layout.addRegion(0, scene_->volumetric()->pattern());
-  }
-  solver::TermProblem::Parts parts{std::move(layout), std::move(coordinates),       {},
-                                   settings.threads,  scene_->terms().forceFloor(), 0};
+  solver::TermProblem::Parts parts{layout(),         std::move(coordinates),       {},
+                                   settings.threads, scene_->terms().forceFloor(), 0};
   parts.terms = {scene_->terms().terms().front(), scene_->inertia(settings.mass)};
   problem_ = std::make_shared<const solver::TermProblem>(parts);
-  Eigen::VectorXd up = Eigen::VectorXd::Zero(centre_ + 1);
-  setAxis(up.head(nodes_), settings.dimension, 1.0);
-  Stepper weigh(problem_, Scheme(SchemeKind::MIDPOINT), {});
-  const Eigen::VectorXd moved = weigh.momentum(up);
+  const Eigen::VectorXd up = armUp(), moved = momentumOf(*problem_, up);
   arm_mass_ = up.dot(moved) / share_;
   if (!(parameters.ring_mass > arm_mass_)) {
     throw common::Error("masses.total leaves " + common::toText(parameters.ring_mass) +
@@ -110,6 +95,34 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   if (!held) thrust(ring_, 0) = share_;
   parts.terms.push_back(std::make_shared<const solver::LoadTerm>(std::move(dead), std::move(thrust)));
   problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
+}
+
+/// Node blocks of the arm; ring and centre are coupled by terms alone.
+solver::HessianLayout AxisVehicle::layout() const {
+  solver::HessianLayout layout(centre_ + 1);
+  if (settings_.dimension == 2) {
+    layout.addRegion(0, scene_->planar()->pattern());
+  } else {
+    layout.addRegion(0, scene_->volumetric()->pattern());
+  }
+  return layout;
+}
+
+Eigen::VectorXd AxisVehicle::armUp() const {
+  Eigen::VectorXd up = Eigen::VectorXd::Zero(centre_ + 1);
+  for (int k = 1; k < nodes_; k += settings_.dimension) up(k) = 1;
+  return up;
+}
+
+Eigen::VectorXd AxisVehicle::allUp() const {
+  Eigen::VectorXd up = armUp();
+  up(centre_) = 1;
+  if (ring_ >= 0) up(ring_) = 1;
+  return up;
+}
+
+Row AxisVehicle::travelRow() const {
+  return ring_ >= 0 ? Row({{ring_, 1.0}, {centre_, -1.0}}) : Row({{centre_, -1.0}});
 }
 
 /// The scene's equations hold in the ring's frame: y_i - e_i r = sum T_ij (y_j - e_j r) + B_i (r - c), with e_i = 1
@@ -156,7 +169,7 @@ std::vector<std::shared_ptr<const Term>> AxisVehicle::bodies(const vehicle::Vehi
   }
   terms.push_back(std::make_shared<solver::RowInertia>("centre", row(centre_), share_ * p.centre_mass));
   terms.push_back(std::make_shared<solver::RowDrag>("drag of the centre", row(centre_), share_ * p.centre_drag));
-  const Row travel = ring_ >= 0 ? Row({{ring_, 1.0}, {centre_, -1.0}}) : Row({{centre_, -1.0}});
+  const Row travel = travelRow();
   const double reduced = ring_ < 0 ? p.centre_mass : p.ring_mass * p.centre_mass / (p.ring_mass + p.centre_mass);
   const double stiffness = share_ * settings_.stop_stiffness;
   terms.push_back(std::make_shared<solver::RowStop>("upper stop", travel, stop_, stiffness));
@@ -165,23 +178,19 @@ std::vector<std::shared_ptr<const Term>> AxisVehicle::bodies(const vehicle::Vehi
   return terms;
 }
 
-std::shared_ptr<const Term> AxisVehicle::materialDamping(double beta) const {
-  if (settings_.dimension == 2) {
-    auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<2>>(problem_->terms().front())->sharedSolid();
-    if (settings_.damping == DampingLaw::KELVIN_VOIGT) {
-      return std::make_shared<const solver::KelvinVoigtTerm<2>>(solid, beta);
-    }
-    return std::make_shared<const solver::RayleighTerm<2>>(
-        solid, nullptr, 0, beta,
-        settings_.damping == DampingLaw::RAYLEIGH ? solver::LaggedTangent::EXACT : solver::LaggedTangent::PROJECTED);
-  }
-  auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<3>>(problem_->terms().front())->sharedSolid();
+template <int D>
+std::shared_ptr<const Term> AxisVehicle::materialDampingIn(double beta) const {
+  auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<D>>(problem_->terms().front())->sharedSolid();
   if (settings_.damping == DampingLaw::KELVIN_VOIGT) {
-    return std::make_shared<const solver::KelvinVoigtTerm<3>>(solid, beta);
+    return std::make_shared<const solver::KelvinVoigtTerm<D>>(std::move(solid), beta);
   }
-  return std::make_shared<const solver::RayleighTerm<3>>(
-      solid, nullptr, 0, beta,
-      settings_.damping == DampingLaw::RAYLEIGH ? solver::LaggedTangent::EXACT : solver::LaggedTangent::PROJECTED);
+  const bool exact = settings_.damping == DampingLaw::RAYLEIGH;
+  return std::make_shared<const solver::RayleighTerm<D>>(
+      std::move(solid), nullptr, 0, beta, exact ? solver::LaggedTangent::EXACT : solver::LaggedTangent::PROJECTED);
+}
+
+std::shared_ptr<const Term> AxisVehicle::materialDamping(double beta) const {
+  return settings_.dimension == 2 ? materialDampingIn<2>(beta) : materialDampingIn<3>(beta);
 }
 
 /// c of the travel that a material's law with beta = 1 makes in Q [N s/m per s], of the problem: twice the potential of
@@ -195,12 +204,6 @@ double AxisVehicle::lossOf(const Term& term) const {
     y.head(nodes_) = own.expand(q.z + shift * q.slope, Eigen::VectorXd::Constant(1, q.control + shift));
     return y;
   };
-  solver::HessianLayout layout(centre_ + 1);
-  if (settings_.dimension == 2) {
-    layout.addRegion(0, scene_->planar()->pattern());
-  } else {
-    layout.addRegion(0, scene_->volumetric()->pattern());
-  }
   solver::Step step;
   step.h = 1;
   step.y0 = place(0);
@@ -208,15 +211,14 @@ double AxisVehicle::lossOf(const Term& term) const {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(1), moved = place(SMALL);
   const auto kept = term.keep({step.y0, none, nullptr, settings_.threads});
   solver::Sum sum;
-  sum.reset(layout, 1, solver::Order::ENERGY);
+  sum.reset(layout(), 1, solver::Order::ENERGY);
   term.evaluate({moved, none, &step, settings_.threads, kept.get()}, solver::Order::ENERGY, sum);
   return 2 * sum.energy / (SMALL * SMALL);
 }
 
 std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
   if (settings_.damping == DampingLaw::TRAVEL) {
-    const Row travel = ring_ >= 0 ? Row({{ring_, 1.0}, {centre_, -1.0}}) : Row({{centre_, -1.0}});
-    return std::make_shared<solver::RowDamper>("damping of the travel", travel, share_ * c);
+    return std::make_shared<solver::RowDamper>("damping of the travel", travelRow(), share_ * c);
   }
   const double unit = lossOf(*materialDamping(1));
   if (!(unit > 0)) {
@@ -227,30 +229,18 @@ std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
 }
 
 vehicle::ForceTable AxisVehicle::staticTable() const {
-  vehicle::ForceTable table;
+  vehicle::ForceTable table = curve_->table();
   table.arm_count = arms_;
-  const double whole = scene_->multiplicity();
-  double energy = 0;
+  for (std::vector<double>* values : {&table.force, &table.stiffness, &table.energy}) {
+    for (double& value : *values) value *= scene_->multiplicity();
+  }
   for (std::size_t k = 0; k < curve_->points().size(); ++k) {
     const StaticPoint& point = curve_->points()[k];
-    if (k > 0) {  // integral of the cubic
-      const StaticPoint& before = curve_->points()[k - 1];
-      const double h = point.control - before.control;
-      energy += h / 2 * (before.force + point.force) + h * h / 12 * (before.stiffness - point.stiffness);
-    }
     const mpm::MovingMass moved = scene_->movingMass(point.z, point.control, point.slope);
-    table.travel.push_back(point.control);
-    table.force.push_back(whole * point.force);
-    table.stiffness.push_back(whole * point.stiffness);
-    table.energy.push_back(whole * energy);
-    table.kinetic_mass.push_back(moved.kinetic);
-    table.coupled_mass.push_back(moved.coupled);
+    table.kinetic_mass[k] = moved.kinetic;
+    table.coupled_mass[k] = moved.coupled;
     table.mass = moved.mass;
   }
-  table.rotation.assign(table.travel.size(), 0.0);
-  table.min_det_f.assign(table.travel.size(), 1.0);
-  table.stable.assign(table.travel.size(), 1);
-  table.iterations.assign(table.travel.size(), 0);
   return table;
 }
 
@@ -264,11 +254,8 @@ MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) co
   y.head(nodes_) = scene_->terms().coordinates().expand(rest.z, Eigen::VectorXd::Constant(1, rest.control));
   y(centre_) = -rest.control;
   const Eigen::VectorXd load = Eigen::VectorXd::Constant(1, thrust);
-  Eigen::VectorXd together = Eigen::VectorXd::Zero(centre_ + 1);
-  if (ring_ >= 0) {
-    setAxis(together.head(nodes_), settings_.dimension, 1.0);
-    together(ring_) = together(centre_) = 1;
-  }
+  Eigen::VectorXd together = allUp();
+  if (ring_ < 0) together.setZero();  // a held ring moves with nobody
   StepperSettings settings;
   settings.largest_step = H;
   Stepper stepper(problem_, Scheme(SchemeKind::BACKWARD_EULER), settings);
@@ -304,12 +291,8 @@ Eigen::VectorXd AxisVehicle::inRingFrame(const MotionState& s) const {
 double AxisVehicle::armRotation(const MotionState& s) const { return scene_->monitor(0, inRingFrame(s)); }
 
 double AxisVehicle::commonSpeed(const MotionState& s, const Stepper& stepper) const {
-  const Eigen::VectorXd p = stepper.momentum(s.v);
-  Eigen::VectorXd up = Eigen::VectorXd::Zero(centre_ + 1);
-  setAxis(up.head(nodes_), settings_.dimension, 1.0);
-  up(centre_) = 1;
-  if (ring_ >= 0) up(ring_) = 1;
-  return up.dot(p) / up.dot(stepper.momentum(up));
+  const Eigen::VectorXd up = allUp();
+  return up.dot(stepper.momentum(s.v)) / up.dot(stepper.momentum(up));
 }
 
 std::string AxisVehicle::vtu(const MotionState& s) const {

@@ -45,10 +45,8 @@ SchemeKind schemeFromName(const std::string& name) {
 std::string schemeName(SchemeKind kind) { return NAMES[static_cast<std::size_t>(kind)]; }
 
 Scheme::Scheme(SchemeKind kind, int points, double bias) : kind_(kind), points_(points), bias_(bias) {
-  if (points < 1 || points > 4) {
-    throw common::Error("points is " + std::to_string(points) + "; allowed: 1 .. 4");
-  }
-  if (!(bias >= 0 && bias <= 0.5)) throw common::Error("bias is " + common::toText(bias) + "; allowed: 0 .. 0.5");
+  common::requireWithin("scheme", "points", points, 1, 4);
+  common::requireWithin("scheme", "bias", bias, 0, 0.5);
   if (bias > 0 && kind != SchemeKind::MIDPOINT) {
     throw common::Error("bias is " + common::toText(bias) + " with scheme " + schemeName(kind) +
                         "; allowed: 0, or scheme midpoint");

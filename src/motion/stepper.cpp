@@ -20,6 +20,22 @@ void StepperSettings::validate() const {
   require(error >= 0 && std::isfinite(error), "error", error, ">= 0 m");
 }
 
+/// Terms of inertia as a step from rest at 0 with h = 0 and unit weight sees them: their slope at v is M v.
+Eigen::VectorXd momentumOf(const solver::TermProblem& problem, const Eigen::VectorXd& v) {
+  solver::Step unit;
+  unit.kappa = 1;
+  unit.y0 = unit.v0 = Eigen::VectorXd::Zero(v.size());
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem.controlCount());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(v.size());
+  solver::Sum own;
+  for (std::size_t k = 0; k < problem.terms().size(); ++k) {
+    if (problem.terms()[k]->role() != Term::Role::INERTIA) continue;
+    problem.evaluateTerm(k, {v, none, &unit, problem.threads()}, Order::STRESS, own);
+    sum += own.gradient;
+  }
+  return sum;
+}
+
 /// A step that was tried.
 struct Stepper::Trial {
   MotionState end;
@@ -60,21 +76,6 @@ MotionState Stepper::start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, c
   state.kinetic = kineticEnergy(state.v);
   state.stored = storedEnergy(state.y, p);
   return state;
-}
-
-/// Terms of inertia as a step from rest at 0 with h = 0 and unit weight sees them: their slope at v is M v.
-Eigen::VectorXd Stepper::momentum(const Eigen::VectorXd& v) const {
-  solver::Step unit;
-  unit.kappa = 1;
-  unit.y0 = unit.v0 = Eigen::VectorXd::Zero(v.size());
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem_->controlCount());
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(v.size());
-  for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
-    if (problem_->terms()[k]->role() != Term::Role::INERTIA) continue;
-    problem_->evaluateTerm(k, {v, none, &unit, problem_->threads()}, Order::STRESS, sum_);
-    sum += sum_.gradient;
-  }
-  return sum;
 }
 
 double Stepper::kineticEnergy(const Eigen::VectorXd& v) const { return 0.5 * v.dot(momentum(v)); }

@@ -3,14 +3,10 @@
 #include <hdf5.h>
 
 #include <array>
-#include <cstring>
 #include <sstream>
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/common/hdf5_file.h"
-#include "snapwing/common/output_file.h"
-#include "snapwing/common/plain_text.h"
-#include "snapwing/common/provenance.h"
 
 namespace snapwing::motion {
 
@@ -53,52 +49,9 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
 }
 
 const std::string MAGIC = "snapwing trial checkpoint 1\n";
-constexpr std::size_t DIGITS = 64;
 
-class Writer {
- public:
-  void number(double value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof(value)); }
-  void vector(const Eigen::VectorXd& values) {
-    number(static_cast<double>(values.size()));
-    bytes_.append(reinterpret_cast<const char*>(values.data()), sizeof(double) * values.size());
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
-
-class Reader {
- public:
-  Reader(const std::string& bytes, const std::string& path) : bytes_(bytes), path_(path) {}
-  double number() {
-    double value = 0;
-    take(&value, sizeof(value));
-    return value;
-  }
-  std::size_t count() {
-    const double value = number();
-    if (!(value >= 0 && value <= static_cast<double>(bytes_.size()))) damaged();
-    return static_cast<std::size_t>(value);
-  }
-  Eigen::VectorXd vector() {
-    Eigen::VectorXd values(count());
-    take(values.data(), sizeof(double) * values.size());
-    return values;
-  }
-
- private:
-  void take(void* to, std::size_t size) {
-    if (at_ + size > bytes_.size()) damaged();
-    if (size > 0) std::memcpy(to, bytes_.data() + at_, size);
-    at_ += size;
-  }
-  [[noreturn]] void damaged() const { throw common::FileError(path_, "the checkpoint is damaged"); }
-
-  const std::string& bytes_;
-  const std::string& path_;
-  std::size_t at_ = 0;
-};
+using common::BytesReader;
+using common::BytesWriter;
 
 /// Numbers of a run beside its vectors, for both directions.
 template <class Visit>
@@ -112,7 +65,7 @@ void eachNumber(AxisRun& run, const Visit& visit) {
   }
 }
 
-void put(Writer& writer, const AxisRun& run) {
+void put(BytesWriter& writer, const AxisRun& run) {
   AxisRun copy = run;
   eachNumber(copy, [&](double& value) { writer.number(value); });
   for (const int value : {static_cast<int>(run.outcome.start_mode), static_cast<int>(run.outcome.start_held),
@@ -120,7 +73,7 @@ void put(Writer& writer, const AxisRun& run) {
     writer.number(value);
   }
   for (const Eigen::VectorXd* values : {&run.state.z, &run.state.y, &run.state.v, &run.state.acceleration}) {
-    writer.vector(*values);
+    writer.numbers(values->data(), values->size());
   }
   writer.number(static_cast<double>(run.samples.size()));
   for (const AxisSample& sample : run.samples) {
@@ -129,23 +82,24 @@ void put(Writer& writer, const AxisRun& run) {
   }
 }
 
-AxisRun take(Reader& reader) {
+AxisRun take(BytesReader& reader) {
   AxisRun run;
   run.begun = true;
   eachNumber(run, [&](double& value) { value = reader.number(); });
-  run.outcome.start_mode = static_cast<vehicle::Mode>(static_cast<int>(reader.number()));
-  run.outcome.start_held = reader.number() != 0;
+  run.outcome.start_mode = static_cast<vehicle::Mode>(reader.integer());
+  run.outcome.start_held = reader.integer() != 0;
   for (int* value : {&run.outcome.steps, &run.outcome.iterations, &run.outcome.factorizations}) {
-    *value = static_cast<int>(reader.number());
+    *value = reader.integer();
   }
   for (Eigen::VectorXd* values : {&run.state.z, &run.state.y, &run.state.v, &run.state.acceleration}) {
-    *values = reader.vector();
+    const std::vector<double> read = reader.numbers();
+    *values = Eigen::Map<const Eigen::VectorXd>(read.data(), static_cast<Eigen::Index>(read.size()));
   }
   const std::size_t samples = reader.count();
   for (std::size_t k = 0; k < samples; ++k) {
     AxisSample& sample = run.samples.emplace_back();
     for (const Column& column : COLUMNS) sample.*column.value = reader.number();
-    sample.iterations = static_cast<int>(reader.number());
+    sample.iterations = reader.integer();
   }
   return run;
 }
@@ -190,24 +144,14 @@ void saveSeries(const std::vector<AxisSample>& samples, const StaticCurve& curve
 }
 
 void saveTrialCheckpoint(const AxisRun& run, const std::string& hash, const std::string& path) {
-  Writer writer;
+  BytesWriter writer;
   put(writer, run);
-  common::writeFileAtomically(path, MAGIC + hash + common::sha256(writer.bytes()) + writer.bytes());
+  common::saveCheckpointBytes(writer.bytes(), MAGIC, hash, path);
 }
 
 AxisRun loadTrialCheckpoint(const std::string& path, const std::string& hash) {
-  const std::string file = common::readFile(path);
-  if (file.size() < MAGIC.size() + 2 * DIGITS || file.compare(0, MAGIC.size(), MAGIC) != 0) {
-    throw common::FileError(path, "no checkpoint of a trial of this version");
-  }
-  if (file.compare(MAGIC.size(), DIGITS, hash) != 0) {
-    throw common::FileError(path, "the checkpoint belongs to another trial or vehicle; remove it to start anew");
-  }
-  const std::string bytes = file.substr(MAGIC.size() + 2 * DIGITS);
-  if (file.compare(MAGIC.size() + DIGITS, DIGITS, common::sha256(bytes)) != 0) {
-    throw common::FileError(path, "the checkpoint is damaged");
-  }
-  Reader reader(bytes, path);
+  const std::string bytes = common::loadCheckpointBytes(path, MAGIC, hash, "another trial or vehicle");
+  BytesReader reader(bytes, path);
   return take(reader);
 }
 

@@ -2,6 +2,7 @@
 
 #include "resistance.h"
 #include "snapwing/rom/lumped_model.h"
+#include "snapwing/vehicle/rotor_lag.h"
 
 namespace snapwing::rom {
 
@@ -11,11 +12,10 @@ LumpedState LumpedModel::step(const LumpedState& state, double demand, double dt
   next.time = state.time + dt;
 
   // Thrust: exact lag; its mean over the step drives the bodies.
-  const double wanted = demand * p.max_thrust;
-  const double lag = wanted > state.thrust ? p.time_constant_up : p.time_constant_down;
-  const double decay = -std::expm1(-dt / lag);
-  next.thrust = state.thrust + (wanted - state.thrust) * decay;
-  const double mean_thrust = wanted + (state.thrust - wanted) * decay * lag / dt;
+  const vehicle::LaggedThrust thrust =
+      vehicle::laggedThrust(state.thrust, demand * p.max_thrust, p.time_constant_up, p.time_constant_down, dt);
+  next.thrust = thrust.end;
+  const double mean_thrust = thrust.mean;
 
   if (const TravelInertia* moved = inertiaOf(trial)) {
     coupledStep(state, mean_thrust + trial.push, dt, trial, *moved, &next);

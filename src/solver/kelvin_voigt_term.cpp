@@ -2,6 +2,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/elasticity/green_strain.h"
 #include "snapwing/solver/material_damping.h"
 
 namespace snapwing::solver {
@@ -48,22 +49,18 @@ void KelvinVoigtTerm<D>::eachParticle(const Visit& visit) const {
 
 namespace {
 
+/// Gradient h of the displacements: F = I + h.
 template <int D>
 Matrix<D> gradientAt(const mpm::Discretisation<D>& solid, const Eigen::VectorXd& y, int first, int cell,
                      const mpm::QuadratureRule<D>& rule, int particle) {
-  Matrix<D> f = Matrix<D>::Identity();
+  Matrix<D> h = Matrix<D>::Zero();
   const int* nodes = solid.cellNodes(cell);
   const double* slope = rule.slopeOf(particle);
   for (int a = 0; a < rule.stencil; ++a) {
     const Eigen::Map<const Eigen::Matrix<double, D, 1>> g(slope + D * a);
-    f += y.template segment<D>(first + D * nodes[a]) * g.transpose();
+    h += y.template segment<D>(first + D * nodes[a]) * g.transpose();
   }
-  return f;
-}
-
-template <int D>
-Matrix<D> green(const Matrix<D>& f) {
-  return 0.5 * (f.transpose() * f - Matrix<D>::Identity());
+  return h;
 }
 
 }  // namespace
@@ -72,7 +69,7 @@ template <int D>
 std::shared_ptr<const Memory> KelvinVoigtTerm<D>::keep(const Point& start) const {
   auto strains = std::make_shared<Strains>();
   eachParticle([&](std::size_t, int c, std::size_t, const mpm::QuadratureRule<D>& rule, int p) {
-    strains->green.push_back(green<D>(gradientAt(*solid_, start.y, first_, c, rule, p)));
+    strains->green.push_back(elasticity::greenStrain<D>(gradientAt(*solid_, start.y, first_, c, rule, p)));
   });
   return strains;
 }
@@ -87,7 +84,8 @@ void KelvinVoigtTerm<D>::evaluate(const Point& at, Order order, Sum& sum) const 
   eachParticle([&](std::size_t number, int c, std::size_t t, const mpm::QuadratureRule<D>& rule, int p) {
     const double weight = factor * solid_->cell(c).measure * rule.weight[p];
     const Moduli& m = moduli_[c][t];
-    const Matrix<D> f = gradientAt(*solid_, at.y, first_, c, rule, p), d = green<D>(f) - before[number];
+    const Matrix<D> h = gradientAt(*solid_, at.y, first_, c, rule, p), f = Matrix<D>::Identity() + h;
+    const Matrix<D> d = elasticity::greenStrain<D>(h) - before[number];
     const Matrix<D> s = m.lambda * d.trace() * Matrix<D>::Identity() + 2 * m.mu * d;
     sum.energy += 0.5 * weight * s.cwiseProduct(d).sum();
     if (order == Order::ENERGY) return;

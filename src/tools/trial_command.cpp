@@ -227,9 +227,9 @@ int runSolid(const Work& work) {
   motion::Stepper stepper(vehicle.problem(), motion::Scheme(work.file.scheme, work.file.points, work.file.bias),
                           work.file.steps);
   motion::AxisRun run;
-  const std::string checkpoint = work.path("checkpoint.bin");
+  const std::string checkpoint = work.path("checkpoint.bin"), owner = work.hash();
   if (std::filesystem::exists(checkpoint)) {
-    run = motion::loadTrialCheckpoint(checkpoint, work.hash());
+    run = motion::loadTrialCheckpoint(checkpoint, owner);
     std::fprintf(stderr, "goes on at %.4f s from %s\n", run.state.time, checkpoint.c_str());
   }
   Progress progress(work, trial.latency + trial.duration + trial.horizon);
@@ -237,7 +237,7 @@ int runSolid(const Work& work) {
   const InterruptGuard guard;
   motion::AxisRunHooks hooks;
   hooks.stepped = [&](const motion::AxisRun& now) { return progress(now); };
-  hooks.keep = [&](const motion::AxisRun& now) { motion::saveTrialCheckpoint(now, work.hash(), checkpoint); };
+  hooks.keep = [&](const motion::AxisRun& now) { motion::saveTrialCheckpoint(now, owner, checkpoint); };
   const bool ended = motion::runTrial(vehicle, stepper, trial, run, hooks);
   progress.end();
   const double cpu = cpuSeconds() - cpu_before;

@@ -175,4 +175,13 @@ CurveFeatures curveFeatures(const ForceTable& table) {
   return f;
 }
 
+double forceAt(const ForceTable& table, double travel) {
+  const std::vector<double>& u = table.travel;
+  const std::size_t last = u.size() - 1;
+  if (travel <= u.front()) return table.force.front() + table.stiffness.front() * (travel - u.front());
+  if (travel >= u.back()) return table.force[last] + table.stiffness[last] * (travel - u.back());
+  const std::size_t k = std::upper_bound(u.begin(), u.end(), travel) - u.begin() - 1;
+  return ForceInterpolant(table).force(k, (travel - u[k]) / (u[k + 1] - u[k]));
+}
+
 }  // namespace snapwing::vehicle

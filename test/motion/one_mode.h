@@ -19,6 +19,13 @@ inline std::shared_ptr<const solver::TermProblem> pointMasses(
 
 inline solver::Row only(int coordinate) { return solver::Row({{coordinate, 1.0}}); }
 
+inline motion::StepperSettings equalSteps(double h, double tolerance = 1e-9) {
+  motion::StepperSettings settings;
+  settings.largest_step = h;
+  settings.relative_tolerance = tolerance;
+  return settings;
+}
+
 inline motion::ControlOf nothing() {
   return [](double, double) { return Eigen::VectorXd(); };
 }

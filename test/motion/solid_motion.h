@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/motion/stepper.h"
+#include "one_mode.h"
 #include "snapwing/scene/scene_problem.h"
 
 namespace snapwing::test {
@@ -37,13 +37,6 @@ inline mpm::Box boxOf(double x0, double x1, double y0, double y1) {
   box.low.head<2>() << x0, y0;
   box.high.head<2>() << x1, y1;
   return box;
-}
-
-inline motion::StepperSettings equalSteps(double h, double tolerance = 1e-9) {
-  motion::StepperSettings settings;
-  settings.largest_step = h;
-  settings.relative_tolerance = tolerance;
-  return settings;
 }
 
 inline std::shared_ptr<const solver::TermProblem> inTime(const scene::CompiledScene& scene,

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
-#include "snapwing/elasticity/neo_hookean.h"
 #include "snapwing/solver/material_damping.h"
+#include "support/block.h"
 #include "support/term_check.h"
 
 namespace snapwing::motion {
@@ -11,27 +11,7 @@ namespace {
 
 using solver::LaggedTangent;
 
-template <int D>
-std::shared_ptr<const mpm::Discretisation<D>> block() {
-  auto solid = std::make_shared<mpm::Discretisation<D>>();
-  mpm::Grid<D> grid;
-  grid.kernel = mpm::Kernel::LINEAR;
-  grid.cell_size = 0.01;
-  grid.cells[0] = 3, grid.cells[1] = 2;
-  if constexpr (D == 3) grid.cells[2] = 1;
-  const int model = solid->addModel(std::make_shared<elasticity::NeoHookean<D>>(
-      elasticity::Material{5.5e6, 0.45, 1200}, elasticity::DensityInterpolation{}, elasticity::Plane::STRESS));
-  const int rule = solid->addRule(mpm::gaussRule(grid, 2));
-  const int kind = solid->addKind({{rule, model}});
-  solid->addBody(grid);
-  for (int c = 0; c < grid.cellCount(); ++c) solid->addCell(grid.cellIndex(c), {kind, 1.0, std::pow(0.01, D)});
-  solid->finish();
-  return solid;
-}
-
-Eigen::VectorXd wavy(int size, double phase) {
-  return Eigen::VectorXd::NullaryExpr(size, [&](Eigen::Index k) { return 6e-4 * std::sin(1.7 * k + phase); });
-}
+constexpr double AMPLITUDE = 6e-4;  // [m]
 
 /// A term with what it kept of a start, as the battery's plain term.
 class Kept : public solver::Term {
@@ -58,19 +38,19 @@ template <int D>
 void checkLaw(const solver::Term& law, const mpm::Discretisation<D>& solid) {
   solver::Step step;
   step.h = 2e-3, step.kappa = 5e5;
-  step.y0 = wavy(solid.dofCount(), 0.3);
+  step.y0 = test::wavy(solid.dofCount(), AMPLITUDE, 0.3);
   step.v0 = Eigen::VectorXd::Zero(solid.dofCount());
   test::TermCase c{solver::HessianLayout(solid.dofCount()), {}};
   c.layout.addRegion(0, solid.pattern());
-  c.y = {wavy(solid.dofCount(), 0.0), wavy(solid.dofCount(), 1.2)};
+  c.y = {test::wavy(solid.dofCount(), AMPLITUDE, 0.0), test::wavy(solid.dofCount(), AMPLITUDE, 1.2)};
   c.step = &step;
   checkTerm(Kept(law, step.y0), c);
 }
 
 TEST(MaterialDamping, LawsAreTerms) {
-  const auto plane = block<2>();
-  const auto space = block<3>();
-  const auto mass = std::make_shared<const mpm::Mass<2>>(*plane, std::vector<double>{1200.0});
+  const auto plane = test::block<2>(elasticity::Plane::STRESS);
+  const auto space = test::block<3>();
+  const auto mass = std::make_shared<const mpm::Mass<2>>(*plane, std::vector<double>{test::BLOCK_DENSITY});
   checkLaw<2>(solver::RayleighTerm<2>(plane, mass, 3.0, 2e-3, LaggedTangent::EXACT), *plane);
   checkLaw<2>(solver::RayleighTerm<2>(plane, nullptr, 0, 2e-3, LaggedTangent::PROJECTED), *plane);
   checkLaw<3>(solver::RayleighTerm<3>(space, nullptr, 0, 2e-3, LaggedTangent::EXACT), *space);
@@ -82,7 +62,7 @@ TEST(MaterialDamping, LawsAreTerms) {
 
 /// Kelvin-Voigt is objective: a block that turns loses nothing. Lagged Rayleigh brakes it.
 TEST(MaterialDamping, KelvinVoigtLetsABlockTurn) {
-  const auto solid = block<2>();
+  const auto solid = test::block<2>(elasticity::Plane::STRESS);
   solver::Step step;
   step.h = 1e-3;
   step.y0 = Eigen::VectorXd::Zero(solid->dofCount());

@@ -17,13 +17,6 @@ using solver::Term;
 using test::nothing;
 using test::only;
 
-StepperSettings equalSteps(double h) {
-  StepperSettings settings;
-  settings.largest_step = h;
-  settings.relative_tolerance = 1e-12;
-  return settings;
-}
-
 /// Mass 1 on a spring of stiffness w^2 with c = 2 zeta w.
 std::shared_ptr<const solver::TermProblem> oscillator(double w, double zeta) {
   return test::pointMasses(1, {std::make_shared<solver::RowInertia>("mass", only(0), 1.0),
@@ -33,7 +26,7 @@ std::shared_ptr<const solver::TermProblem> oscillator(double w, double zeta) {
 
 /// Amplification per step of the scheme, |largest eigenvalue| of the map (y, v) -> (y, v).
 double amplification(const Scheme& scheme, double w, double zeta, double h) {
-  Stepper stepper(oscillator(w, zeta), scheme, equalSteps(h));
+  Stepper stepper(oscillator(w, zeta), scheme, test::equalSteps(h, 1e-12));
   Eigen::Matrix2d map;
   for (int column = 0; column < 2; ++column) {
     const Eigen::VectorXd y = Eigen::VectorXd::Constant(1, column == 0 ? 1.0 : 0.0),
@@ -95,7 +88,7 @@ std::shared_ptr<const solver::TermProblem> doubleWell() {
 
 /// Energy that a pulse leaves at the end, from a state at rest; above 1/4 it crosses.
 double energyAfter(const Scheme& scheme, double from, double force, double duration, double h) {
-  Stepper stepper(doubleWell(), scheme, equalSteps(h));
+  Stepper stepper(doubleWell(), scheme, test::equalSteps(h, 1e-12));
   MotionState state = stepper.start(Eigen::VectorXd::Constant(1, from), Eigen::VectorXd::Zero(1));
   const ControlOf pulse = [&](double, double) { return Eigen::VectorXd::Constant(1, force); };
   StepAccount account;
@@ -127,7 +120,7 @@ TEST(Schemes, FindTheThresholdPulsesOfTheQuartic) {
 
 /// What the scheme fed or ate over free swings: nothing for two Gauss points on a quartic (exact to degree 3 in s).
 TEST(AverageForce, KeepsTheEnergyOfTheQuarticToRounding) {
-  Stepper stepper(doubleWell(), Scheme(SchemeKind::AVERAGE_FORCE, 2), equalSteps(0.05));
+  Stepper stepper(doubleWell(), Scheme(SchemeKind::AVERAGE_FORCE, 2), test::equalSteps(0.05, 1e-12));
   MotionState state = stepper.start(Eigen::VectorXd::Constant(1, 0.2), Eigen::VectorXd::Zero(1));
   const ControlOf idle = [](double, double) { return Eigen::VectorXd::Zero(1); };
   const double before = state.stored;
@@ -141,7 +134,7 @@ TEST(AverageForce, KeepsTheEnergyOfTheQuarticToRounding) {
 
 TEST(Schemes, HaveTheirOrder) {
   const auto end = [](const Scheme& scheme, int steps) {
-    Stepper stepper(doubleWell(), scheme, equalSteps(4.0 / steps));
+    Stepper stepper(doubleWell(), scheme, test::equalSteps(4.0 / steps, 1e-12));
     MotionState state = stepper.start(Eigen::VectorXd::Constant(1, 0.3), Eigen::VectorXd::Zero(1));
     const ControlOf load = [](double, double) { return Eigen::VectorXd::Constant(1, 0.1); };
     while (state.time < 4.0) stepper.step(state, 4.0, load);
@@ -158,7 +151,7 @@ TEST(Schemes, HaveTheirOrder) {
 
 /// The local error that is told is the one that was made: halved steps cut it to an eighth.
 TEST(Stepper, ChoosesStepsByTheirError) {
-  StepperSettings settings = equalSteps(0.2);
+  StepperSettings settings = test::equalSteps(0.2, 1e-12);
   settings.error = 1e-5;
   settings.smallest_step = 1e-5;
   Stepper chosen(doubleWell(), Scheme(SchemeKind::MIDPOINT), settings);
@@ -174,7 +167,7 @@ TEST(Stepper, ChoosesStepsByTheirError) {
   }
   EXPECT_LE(worst, 1e-5);
   EXPECT_LT(smallest, largest);
-  Stepper fine(doubleWell(), Scheme(SchemeKind::MIDPOINT), equalSteps(1e-3));
+  Stepper fine(doubleWell(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3, 1e-12));
   MotionState truth = fine.start(Eigen::VectorXd::Constant(1, 0.3), Eigen::VectorXd::Zero(1));
   while (truth.time < 10) fine.step(truth, 10, idle);
   EXPECT_NEAR(state.y(0), truth.y(0), 2.0 * steps * 1e-5);

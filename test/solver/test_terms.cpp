@@ -9,42 +9,15 @@
 #include "snapwing/solver/load_term.h"
 #include "snapwing/solver/newton.h"
 #include "snapwing/solver/term_problem.h"
+#include "support/block.h"
 #include "support/term_check.h"
 
 namespace snapwing::solver {
 namespace {
 
-constexpr double CELL = 0.01;       // [m]
-constexpr double DENSITY = 1200.0;  // [kg/m3]
-
-/// A block of cells in one body: 4 x 3 (x 2).
-template <int D>
-std::shared_ptr<mpm::Discretisation<D>> block() {
-  auto solid = std::make_shared<mpm::Discretisation<D>>();
-  mpm::Grid<D> grid;
-  grid.kernel = mpm::Kernel::LINEAR;
-  grid.cell_size = CELL;
-  grid.cells[0] = 4, grid.cells[1] = 3;
-  if constexpr (D == 3) grid.cells[2] = 2;
-  elasticity::DensityInterpolation interpolation;
-  const elasticity::Material material{5.5e6, 0.45, DENSITY};
-  const int model =
-      solid->addModel(std::make_shared<elasticity::NeoHookean<D>>(material, interpolation, elasticity::Plane::STRAIN));
-  const int rule = solid->addRule(mpm::gaussRule(grid, 2));
-  const int kind = solid->addKind({{rule, model}});
-  solid->addBody(grid);
-  for (int c = 0; c < grid.cellCount(); ++c) {
-    solid->addCell(grid.cellIndex(c), {kind, 1.0, std::pow(CELL, D)});
-  }
-  solid->finish();
-  return solid;
-}
-
-Eigen::VectorXd wavy(int size, double amplitude, double phase) {
-  Eigen::VectorXd y(size);
-  for (int k = 0; k < size; ++k) y(k) = amplitude * std::sin(1.7 * k + phase);
-  return y;
-}
+using test::block;
+using test::wavy;
+constexpr double CELL = test::BLOCK_CELL, DENSITY = test::BLOCK_DENSITY;
 
 template <int D>
 test::TermCase caseOf(const mpm::Discretisation<D>& solid, int more) {

@@ -27,7 +27,6 @@ class ThrustHistory {
     double time, wanted, thrust;
   };
   const Piece& pieceAt(double time) const;
-  double lag(const Piece& piece) const { return piece.wanted > piece.thrust ? up_ : down_; }
   std::vector<Piece> pieces_;
   double up_, down_;
 };

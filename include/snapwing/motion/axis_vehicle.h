@@ -14,6 +14,7 @@
 #include "snapwing/motion/static_curve.h"
 #include "snapwing/motion/stepper.h"
 #include "snapwing/scene/arm_scene.h"
+#include "snapwing/solver/row.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/mode.h"
 #include "snapwing/vehicle/trial.h"
@@ -85,14 +86,19 @@ class AxisVehicle {
  private:
   Eigen::VectorXd inRingFrame(const MotionState& s) const;
   solver::Reduction eliminate() const;
+  solver::HessianLayout layout() const;
+  Eigen::VectorXd armUp() const;  ///< the arm's nodes by 1 along the axis
+  Eigen::VectorXd allUp() const;  ///< all that moves
+  solver::Row travelRow() const;
   std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p) const;
   std::shared_ptr<const solver::Term> damping(double c) const;
+  template <int D>
+  std::shared_ptr<const solver::Term> materialDampingIn(double beta) const;
   std::shared_ptr<const solver::Term> materialDamping(double beta) const;
   double lossOf(const solver::Term& term) const;
 
   vehicle::Trial trial_;
   AxisSettings settings_;
-  std::string vehicle_name_;
   double stop_ = 0;
   std::unique_ptr<scene::CompiledScene> scene_;
   std::unique_ptr<StaticCurve> curve_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "snapwing/scene/scene_problem.h"
+#include "snapwing/vehicle/force_table.h"
 
 namespace snapwing::motion {
 
@@ -12,6 +13,8 @@ struct StaticPoint {
   double control = 0;     ///< [m]
   double force = 0;       ///< [N] of the problem, without the scene's multiplicity
   double stiffness = 0;   ///< [N/m] along the branch
+  double min_det_f = 1;   ///< smallest over the particles
+  bool stable = false;    ///< no negative pivot
   Eigen::VectorXd z;      ///< free coordinates
   Eigen::VectorXd slope;  ///< dz/d(control)
 };
@@ -23,23 +26,25 @@ class StaticCurve {
   StaticCurve(const scene::CompiledScene& scene, double to, double step);
 
   const std::vector<StaticPoint>& points() const { return points_; }
-  double forceAt(double control) const;  ///< cubic between points [N]
-  /// Middle zero, the minimum behind it and the zero behind that; NaN where the curve has none.
-  double barrier() const { return barrier_; }
-  double valley() const { return valley_; }
-  double valleyForce() const { return forceAt(valley_); }
-  double second() const { return second_; }
-  bool bistable() const { return second_ == second_; }
+  /// The curve of the problem as a table, without inertia.
+  const vehicle::ForceTable& table() const { return table_; }
+  double forceAt(double control) const { return vehicle::forceAt(table_, control); }  ///< [N]
+  /// Middle zero, the minimum behind the peak and the second stable zero; NaN where the curve has none.
+  double barrier() const { return features_.barrier_travel; }
+  double valley() const { return features_.valley_travel; }
+  double valleyForce() const { return features_.valley_force; }
+  double second() const { return features_.second_travel; }
+  bool bistable() const { return features_.bistable; }
   /// The equilibrium at a control, from the point nearby. @throws common::Error
   StaticPoint at(double control) const;
 
  private:
-  void findFeatures();
-  double zero(std::size_t k) const;
+  void follow(double to, double step);
 
   const scene::CompiledScene& scene_;
   std::vector<StaticPoint> points_;
-  double barrier_, valley_, second_;
+  vehicle::ForceTable table_;
+  vehicle::CurveFeatures features_{};
 };
 
 }  // namespace snapwing::motion

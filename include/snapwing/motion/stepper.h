@@ -62,6 +62,9 @@ struct StepAccount {
 /// Called where steps begin: the controls for one that goes from `from` to `from + h` (means over it).
 using ControlOf = std::function<Eigen::VectorXd(double from, double h)>;
 
+/// M v of a problem's terms of inertia by coordinate [kg m/s], for rates v [m/s].
+Eigen::VectorXd momentumOf(const solver::TermProblem& problem, const Eigen::VectorXd& v);
+
 class Stepper {
  public:
   /// @param problem  with its inertia. @throws common::Error for settings
@@ -76,7 +79,7 @@ class Stepper {
 
   /// Kinetic energy [J] and momenta by coordinate M v [kg m/s].
   double kineticEnergy(const Eigen::VectorXd& v) const;
-  Eigen::VectorXd momentum(const Eigen::VectorXd& v) const;
+  Eigen::VectorXd momentum(const Eigen::VectorXd& v) const { return momentumOf(*problem_, v); }
   double storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;  ///< [J]
   /// Forgets the factor and how earlier steps went: what follows depends on the state alone, as in a resumed run.
   void restart() { newton_->restart(); }

@@ -65,4 +65,7 @@ struct CurveFeatures {
 };
 CurveFeatures curveFeatures(const ForceTable& table);
 
+/// Force of one arm at a travel [N], by the same interpolation; beyond the table along its ends' slopes.
+double forceAt(const ForceTable& table, double travel);
+
 }  // namespace snapwing::vehicle

@@ -1,0 +1,20 @@
+#pragma once
+/// First-order lag of thrust, exact over a time with one demand.
+
+#include <cmath>
+
+namespace snapwing::vehicle {
+
+struct LaggedThrust {
+  double end = 0;   ///< [N]
+  double mean = 0;  ///< over the time [N]
+};
+
+/// @param now, wanted  [N]; @param time_up, time_down  time constants [s] > 0; @param dt  [s] > 0
+inline LaggedThrust laggedThrust(double now, double wanted, double time_up, double time_down, double dt) {
+  const double lag = wanted > now ? time_up : time_down;
+  const double decay = -std::expm1(-dt / lag);
+  return {now + (wanted - now) * decay, wanted + (now - wanted) * decay * lag / dt};
+}
+
+}  // namespace snapwing::vehicle
