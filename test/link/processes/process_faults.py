@@ -6,7 +6,7 @@ import struct
 import tempfile
 import time
 
-from link_bench import wait_for
+from link_bench import NotBegun, wait_for
 from link_faults import CONTROLLER, GUARDIAN, TYPICAL, Fault, Killed, preload
 
 
@@ -69,7 +69,10 @@ class Injected(Fault):
         bench = self.bench
         self.order[8:24] = struct.pack("qq", self.rng.randint(*self.argument), 0)
         self.order[0:8] = struct.pack("q", self.fault)
-        wait_for(lambda: struct.unpack("q", self.order[16:24])[0] != 0, 2, "fault is done")
+        try:
+            wait_for(lambda: struct.unpack("q", self.order[16:24])[0] != 0, 2, "fault is done")
+        except AssertionError as error:
+            raise NotBegun(f"no thread came by where the fault is done: {error}") from error
         since = 1e-6 * struct.unpack("q", self.order[16:24])[0]
 
         def undo():
