@@ -212,6 +212,20 @@ std::string SettingsReader::choice(const std::string& key, const std::vector<std
   return node.Scalar();
 }
 
+std::vector<std::string> SettingsReader::texts(const std::string& key) {
+  const std::string allowed = "a list of texts";
+  const YAML::Node node = child(key, allowed);
+  if (!node.IsSequence()) fail(key, describe(node), allowed);
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    if (!node[i].IsScalar() || node[i].Scalar().empty()) {
+      fail(key + "[" + std::to_string(i) + "]", describe(node[i]), "text, not empty");
+    }
+    values.push_back(node[i].Scalar());
+  }
+  return values;
+}
+
 std::vector<double> SettingsReader::numbers(const std::string& key, std::size_t count, const Range& range,
                                             const std::string& unit) {
   const std::string each = describeRange(range, unit);

@@ -42,8 +42,7 @@ rom::LumpedModel Fleet::model(int index) const {
 }
 
 vehicle::Pulse Fleet::received(int index, const vehicle::Pulse& pulse) const {
-  const double error = points_[index].back() * settings_.frame_jitter / vehicle_.radio.frame_rate;
-  return {pulse.throttle, std::max(0.0, pulse.duration + error)};
+  return receivedPulse(pulse, settings_, vehicle_.radio, points_[index].back());
 }
 
 rom::SnapPrediction Fleet::predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,

@@ -106,6 +106,11 @@ std::vector<std::string> plannerCoordinateNames() {
   return names;
 }
 
+vehicle::Pulse receivedPulse(const vehicle::Pulse& pulse, const PlannerSettings& settings, const vehicle::Radio& radio,
+                             double length_error) {
+  return {pulse.throttle, std::max(0.0, pulse.duration + length_error * settings.frame_jitter / radio.frame_rate)};
+}
+
 PulsePlanner::PulsePlanner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                            const PlannerSettings& settings, const std::optional<vehicle::WingTable>& wing)
     : vehicle_(vehicle), table_(table), settings_(settings), curves_(table, wing) {
@@ -144,6 +149,21 @@ TransitionPlan PulsePlanner::plan(vehicle::Mode start, vehicle::Mode target, con
   const double reached = all_must ? plan.worst_margin : best.outcome.reached(settings_.required_share);
   plan.accepted = reached >= settings_.required_margin && plan.share_switched >= settings_.required_share;
   return plan.accepted ? plan : refused(plan, reason);
+}
+
+std::vector<RankedVehicle> PulsePlanner::weakest(vehicle::Mode start, const vehicle::Pulse& pulse,
+                                                 const vehicle::Trial& trial, int count) const {
+  const std::function<bool()> never;
+  PulseSearch search(vehicle_, table_, curves_, settings_, start, trial, never);
+  search.addCorners(pulse);
+  const std::vector<double> margins = search.check(pulse).margins;
+  std::vector<int> order(margins.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return margins[a] < margins[b]; });
+  order.resize(std::min<std::size_t>(order.size(), static_cast<std::size_t>(std::max(0, count))));
+  std::vector<RankedVehicle> result;
+  for (const int k : order) result.push_back({search.checkedFleet().point(k), margins[k]});
+  return result;
 }
 
 OutcomeMap PulsePlanner::map(vehicle::Mode start, const vehicle::Trial& trial, int throttles, int durations,

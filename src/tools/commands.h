@@ -14,6 +14,7 @@ void addDesignWingCommand(CLI::App& app, int& exit_code);
 void addPredictCommand(CLI::App& app, int& exit_code);
 void addPlanCommand(CLI::App& app, int& exit_code);
 void addTrialCommand(CLI::App& app, int& exit_code);
+void addValidateCommand(CLI::App& app, int& exit_code);
 void addVehicleCommand(CLI::App& app, int& exit_code);
 
 /// The parent command `design`, added on first use. Its subcommands share it.

@@ -38,6 +38,7 @@ ordered_json trialJson(const vehicle::Trial& trial) {
                        {"wings", vehicle::wingsName(trial.wings)},
                        {"gravity", trial.gravity},
                        {"initial_speed", trial.initial_speed},
+                       {"push", trial.push},
                        {"horizon", trial.horizon}};
   if (trial.initial_thrust_fraction) json["initial_thrust_fraction"] = *trial.initial_thrust_fraction;
   if (trial.final_thrust_fraction) json["final_thrust_fraction"] = *trial.final_thrust_fraction;

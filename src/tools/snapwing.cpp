@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   snapwing::tools::addPredictCommand(app, exit_code);
   snapwing::tools::addPlanCommand(app, exit_code);
   snapwing::tools::addTrialCommand(app, exit_code);
+  snapwing::tools::addValidateCommand(app, exit_code);
   snapwing::tools::addVehicleCommand(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -229,6 +229,7 @@ Vehicle loadVehicle(const std::string& path) {
   v.radio = readRadio(reader.map("radio"));
   v.limits = readLimits(reader.map("limits"));
   if (reader.has("wing")) v.wing = readWing(reader.map("wing"));
+  if (reader.has("must_survive")) v.must_survive = reader.texts("must_survive");
   reader.finish();
   refuseImpossible(v, reader);
   return v;

@@ -60,6 +60,8 @@ class SettingsReader {
   std::string textOr(const std::string& key, const std::string& fallback);
   /// One of a few words. @throws SettingError that lists them
   std::string choice(const std::string& key, const std::vector<std::string>& allowed);
+  /// A list of texts, none of them empty.
+  std::vector<std::string> texts(const std::string& key);
   /// @param count  wanted length of the list; 0: any, even none
   std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range, const std::string& unit);
 

@@ -74,6 +74,12 @@ struct TransitionPlan {
   long predictions = 0;  ///< trials integrated
 };
 
+/// A vehicle of the box and what a pulse leaves it.
+struct RankedVehicle {
+  std::vector<double> coordinates;  ///< in [-1, 1], one per plannerCoordinateNames()
+  double margin = 0;                ///< [1]
+};
+
 /// One cell of the outcome map.
 struct OutcomeCell {
   double throttle = 0, duration = 0;
@@ -108,6 +114,10 @@ class PulsePlanner {
   OutcomeMap map(vehicle::Mode start, const vehicle::Trial& trial, int throttles, int durations,
                  const std::function<void(int done, int all)>& progress = {}) const;
 
+  /// The vehicles of the check, corners included, that a pulse leaves the least margin, least first.
+  std::vector<RankedVehicle> weakest(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
+                                     int count) const;
+
   const PlannerSettings& settings() const { return settings_; }
 
  private:
@@ -116,6 +126,10 @@ class PulsePlanner {
   PlannerSettings settings_;
   rom::VehicleCurves curves_;
 };
+
+/// A pulse as a vehicle's motors see it. @param length_error  the vehicle's last coordinate, in [-1, 1]
+vehicle::Pulse receivedPulse(const vehicle::Pulse& pulse, const PlannerSettings& settings, const vehicle::Radio& radio,
+                             double length_error);
 
 /// Names of the planner's coordinates: vehicle::uncertainNames() and the pulse's length.
 std::vector<std::string> plannerCoordinateNames();

@@ -119,6 +119,8 @@ struct Vehicle {
   Radio radio;
   Limits limits;
   VehicleWing wing;
+  /// Accidents that a validation must see survived: names of planning::accidentMargins.
+  std::vector<std::string> must_survive;
 
   bool hasWing() const { return !wing.table_file.empty(); }
   /// @param who  asks for the mount "boom"; begins the message @throws SettingError if the vehicle has no boom

@@ -1,0 +1,72 @@
+#pragma once
+/// One pulse on one vehicle, on any rung, with an answer in one form: what a validation compares.
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "snapwing/motion/trial_file.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/vehicle.h"
+#include "snapwing/vehicle/wing_table.h"
+
+namespace snapwing::validation {
+
+struct RungTrial {
+  motion::TrialRung rung = motion::TrialRung::LUMPED;
+  vehicle::Mode start = vehicle::Mode::FIXED_WING;
+  vehicle::Pulse pulse;  ///< as the motors of this vehicle see it
+  vehicle::Trial trial;
+  std::vector<double> box;  ///< coordinates of vehicle::uncertainNames(), in [-1, 1]; empty: nominal
+  double cell_size = 1e-3;  ///< [m] of the solid
+  double step = 2e-3;       ///< [s] of the solid
+};
+
+struct RungOutcome {
+  std::string failure;  ///< why there is no answer; empty: there is one
+  vehicle::Mode end = vehicle::Mode::UNKNOWN;
+  bool snapped = false;
+  double snap_time = std::numeric_limits<double>::quiet_NaN();  ///< [s] last crossing of the barrier
+  double peak_travel = std::numeric_limits<double>::quiet_NaN(), least_travel = peak_travel;  ///< [m]
+  double margin = std::numeric_limits<double>::quiet_NaN();                                   ///< [1] lumped only
+  double imbalance = std::numeric_limits<double>::quiet_NaN();  ///< [J] that the scheme fed or ate; solids only
+  double min_det_f = std::numeric_limits<double>::quiet_NaN();  ///< [1] solids only
+  double threshold = std::numeric_limits<double>::quiet_NaN();  ///< [s] of a search for the shortest pulse
+  double cpu_seconds = 0;
+  std::vector<double> time, travel, thrust;  ///< [s], [m], [N] at most a few hundred points
+};
+
+class RungRunner {
+ public:
+  /// Keeps references. @param body  of the solid in place of the vehicle's arm.density_file; empty: that one
+  /// @param cancelled  polled at every step of a solid; true ends a run, whose outcome is then no outcome
+  RungRunner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+             const std::optional<vehicle::WingTable>& wing, const std::string& body = {},
+             std::function<bool()> cancelled = {});
+
+  /// What happens; an error of the solver or of the model is the outcome's `failure`.
+  RungOutcome run(const RungTrial& trial) const;
+  /// The shortest pulse that switches, to .1 ms: `threshold` of the outcome. On solids the search begins at the lumped
+  /// one, and fails if there is none within 60 ms of it.
+  RungOutcome shortest(const RungTrial& trial) const;
+
+ private:
+  RungOutcome runLumped(const RungTrial& trial) const;
+  /// @throws common::Error if the rung lacks what the trial needs
+  void requireRung(const RungTrial& trial) const;
+  double shortestLumped(const RungTrial& trial) const;
+  double shortestSolid(const RungTrial& trial, double near) const;
+  RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const;
+  motion::AxisSettings settingsOf(const RungTrial& trial) const;
+  vehicle::VehicleParameters parametersOf(const RungTrial& trial) const;
+
+  const vehicle::Vehicle& vehicle_;
+  const vehicle::ForceTable& table_;
+  const std::optional<vehicle::WingTable>& wing_;
+  vehicle::Vehicle printed_;  ///< with the body that the solids have
+  std::function<bool()> cancelled_;
+};
+
+}  // namespace snapwing::validation

@@ -1,0 +1,57 @@
+#include "snapwing/validation/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace snapwing::validation {
+
+std::string verdictName(Verdict verdict) {
+  if (verdict == Verdict::PASS) return "pass";
+  return verdict == Verdict::FAIL ? "FAIL" : "told";
+}
+
+std::string allowedWords(const Check& check) {
+  const auto number = [](double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return std::string(text);
+  };
+  const bool below = std::isnan(check.low), above = std::isnan(check.high);
+  if (below && above) return "";
+  if (below) return "at most " + number(check.high) + " " + check.unit;
+  if (above) return "at least " + number(check.low) + " " + check.unit;
+  return number(check.low) + " .. " + number(check.high) + " " + check.unit;
+}
+
+Check within(const std::string& name, double value, double low, double high, const std::string& unit,
+             const std::string& words) {
+  const bool holds = value == value && !(value < low) && !(value > high);
+  return {name, holds ? Verdict::PASS : Verdict::FAIL, value, low, high, unit, words};
+}
+
+Check yesOrNo(const std::string& name, bool holds, const std::string& words) {
+  Check check;
+  check.name = name;
+  check.verdict = holds ? Verdict::PASS : Verdict::FAIL;
+  check.words = words;
+  return check;
+}
+
+Check told(const std::string& name, double value, const std::string& unit, const std::string& words) {
+  Check check;
+  check.name = name;
+  check.verdict = Verdict::TOLD;
+  check.value = value;
+  check.unit = unit;
+  check.words = words;
+  return check;
+}
+
+bool passed(const std::vector<Check>& checks) {
+  const auto is = [](Verdict verdict) { return [verdict](const Check& check) { return check.verdict == verdict; }; };
+  return std::none_of(checks.begin(), checks.end(), is(Verdict::FAIL)) &&
+         std::any_of(checks.begin(), checks.end(), is(Verdict::PASS));
+}
+
+}  // namespace snapwing::validation

@@ -1,0 +1,72 @@
+#include "snapwing/validation/kept_results.h"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "snapwing/common/json_text.h"
+#include "snapwing/common/output_file.h"
+
+namespace snapwing::validation {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// NaN is null in the file.
+double numberOf(const ordered_json& j) { return j.is_number() ? j.get<double>() : std::nan(""); }
+
+ordered_json jsonOf(const RungOutcome& o) {
+  return {{"failure", o.failure},         {"end_mode", vehicle::modeName(o.end)},
+          {"snapped", o.snapped},         {"snap_time", o.snap_time},
+          {"peak_travel", o.peak_travel}, {"least_travel", o.least_travel},
+          {"energy_margin", o.margin},    {"imbalance", o.imbalance},
+          {"min_det_f", o.min_det_f},     {"threshold", o.threshold},
+          {"cpu_seconds", o.cpu_seconds}, {"time", o.time},
+          {"travel", o.travel},           {"thrust", o.thrust}};
+}
+
+RungOutcome outcomeOf(const ordered_json& j) {
+  RungOutcome o;
+  o.failure = j.at("failure").get<std::string>();
+  const std::string end = j.at("end_mode").get<std::string>();
+  o.end = end == vehicle::modeName(vehicle::Mode::UNKNOWN) ? vehicle::Mode::UNKNOWN : vehicle::modeFromName(end);
+  o.snapped = j.at("snapped").get<bool>();
+  o.snap_time = numberOf(j.at("snap_time"));
+  o.peak_travel = numberOf(j.at("peak_travel"));
+  o.least_travel = numberOf(j.at("least_travel"));
+  o.margin = numberOf(j.at("energy_margin"));
+  o.imbalance = numberOf(j.at("imbalance"));
+  o.min_det_f = numberOf(j.at("min_det_f"));
+  o.threshold = numberOf(j.at("threshold"));
+  o.cpu_seconds = numberOf(j.at("cpu_seconds"));
+  o.time = j.at("time").get<std::vector<double>>();
+  o.travel = j.at("travel").get<std::vector<double>>();
+  o.thrust = j.at("thrust").get<std::vector<double>>();
+  return o;
+}
+
+}  // namespace
+
+KeptResults::KeptResults(std::string folder) : folder_(std::move(folder)) { common::makeFolder(folder_); }
+
+std::string KeptResults::path(const std::string& name) const { return folder_ + "/" + name + ".json"; }
+
+bool KeptResults::load(const std::string& name, const std::string& key, RungOutcome* outcome) const {
+  std::ifstream in(path(name), std::ios::binary);
+  if (!in) return false;
+  try {
+    const ordered_json whole = ordered_json::parse(in);
+    if (whole.at("key").get<std::string>() != key) return false;
+    *outcome = outcomeOf(whole.at("outcome"));
+    return true;
+  } catch (const std::exception&) {
+    return false;  // damaged: computed anew, and replaced
+  }
+}
+
+void KeptResults::save(const std::string& name, const std::string& key, const RungOutcome& outcome) const {
+  common::writeFileAtomically(path(name), common::jsonText(ordered_json{{"key", key}, {"outcome", jsonOf(outcome)}}));
+}
+
+}  // namespace snapwing::validation

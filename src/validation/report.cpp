@@ -1,0 +1,189 @@
+#include "snapwing/validation/report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "line_plot.h"
+#include "snapwing/common/json_text.h"
+
+namespace snapwing::validation {
+
+namespace {
+
+using motion::TrialRung;
+using nlohmann::ordered_json;
+
+const char* const STYLE =
+    "<style>:root{color-scheme:light dark;--line:#8884;--pass:#1a7f37;--fail:#cf222e}"
+    "body{font:15px/1.45 system-ui,sans-serif;max-width:1320px;margin:1.5em auto;padding:0 1em}"
+    "h1{margin:.2em 0}.verdict{font-size:1.25em;font-weight:600;padding:.4em .8em;border-left:6px solid}"
+    ".pass{color:var(--pass)}.fail{color:var(--fail)}table{border-collapse:collapse;width:100%;margin:.6em 0 1.4em}"
+    "th,td{text-align:left;padding:.25em .6em;border-bottom:1px solid var(--line);vertical-align:top}"
+    "td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}"
+    ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(460px,1fr));gap:1em}"
+    "svg{width:100%;height:auto}svg text{font:12px system-ui,sans-serif;fill:currentColor}"
+    "svg text.title{font-size:14px;font-weight:600}svg .grid{stroke:var(--line);stroke-width:1}"
+    "@media print{.plots{display:block}}</style>\n";
+
+std::string number(double value) {
+  if (std::isnan(value)) return "";
+  if (std::isinf(value)) return "no limit";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string cell(const std::string& text, const std::string& kind = {}) {
+  return "<td" + (kind.empty() ? "" : " class='" + kind + "'") + ">" + escaped(common::shownBytes(text)) + "</td>";
+}
+
+std::string checkRow(const Check& c) {
+  const std::string kind = c.verdict == Verdict::PASS ? "pass" : c.verdict == Verdict::FAIL ? "fail" : "";
+  const std::string value = number(c.value) + (std::isfinite(c.value) ? " " + c.unit : "");
+  return "<tr>" + cell(verdictName(c.verdict), kind) + cell(c.name) + cell(value, "n") + cell(allowedWords(c)) +
+         cell(c.words) + "</tr>\n";
+}
+
+std::string checkTable(const Validation& found, bool gating) {
+  std::string html = "<table><tr><th></th><th>what</th><th>found</th><th>" +
+                     std::string(gating ? "allowed" : "met in use") + "</th><th></th></tr>\n";
+  // What failed is read first.
+  for (const bool failed : {true, false}) {
+    for (const Check& c : found.checks) {
+      if ((c.verdict != Verdict::TOLD) == gating && (c.verdict == Verdict::FAIL) == failed) html += checkRow(c);
+    }
+  }
+  return html + "</table>\n";
+}
+
+std::string curvePlot(const Validation& found, const vehicle::ForceTable& table) {
+  PlotLine stated{"table (lumped rung)", table.travel, table.force, "#888", true};
+  PlotLine traced{"body, traced anew (planar)", found.curve.travel, found.curve.force, "#0969da"};
+  for (double& f : stated.y) f *= table.arm_count;
+  for (PlotLine* line : {&stated, &traced}) {
+    for (double& u : line->x) u *= 1e3;
+  }
+  return linePlot("Force of all arms", "travel [mm]", "force [N]", {stated, traced});
+}
+
+PlotLine travelOf(const ValidationTrial& t, const std::string& name, const std::string& colour, bool dashed) {
+  PlotLine line{name, t.outcome.time, t.outcome.travel, colour, dashed};
+  for (double& u : line.y) u *= 1e3;
+  return line;
+}
+
+std::string plots(const Validation& found, int plan) {
+  std::vector<PlotLine> nominal, others;
+  for (const ValidationTrial& t : found.trials) {
+    if (t.plan != plan || t.outcome.time.empty()) continue;
+    const TrialRung rung = t.trial.rung;
+    if (t.role == TrialRole::NOMINAL) {
+      const char* colour = rung == TrialRung::LUMPED ? "#888" : rung == TrialRung::PLANAR ? "#0969da" : "#bf3989";
+      nominal.push_back(travelOf(t, motion::rungName(rung), colour, rung == TrialRung::LUMPED));
+    } else if (t.role == TrialRole::WEAKEST) {
+      const bool lumped = rung == TrialRung::LUMPED;
+      others.push_back(travelOf(t, t.name.substr(t.name.find("weakest")) + (lumped ? ", lumped" : ", planar"),
+                                lumped ? "#888" : "#0969da", lumped));
+    }
+  }
+  const std::string name = found.plans[static_cast<std::size_t>(plan)].name();
+  std::string html;
+  if (!nominal.empty()) html += linePlot(name + ", nominal vehicle", "time [s]", "travel [mm]", nominal);
+  if (!others.empty()) html += linePlot(name + ", weakest vehicles", "time [s]", "travel [mm]", others);
+  return html;
+}
+
+std::string planTable(const Validation& found) {
+  std::string html =
+      "<table><tr><th>plan</th><th>throttle</th><th>duration</th><th>margin that it states</th>"
+      "<th>mount, wings, pull</th><th>from</th></tr>\n";
+  for (const PlanFile& p : found.plans) {
+    html += "<tr>" + cell(p.name()) + cell(number(p.pulse.throttle), "n") + cell(number(p.pulse.duration) + " s", "n") +
+            cell(number(p.worst_margin), "n") +
+            cell(vehicle::mountName(p.trial.mount) + ", " + vehicle::wingsName(p.trial.wings) + ", " +
+                 number(p.trial.gravity) + " m/s2") +
+            cell(p.file.empty() ? "planned here" : p.file) + "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+std::string trialTable(const Validation& found) {
+  std::string html =
+      "<table><tr><th>trial</th><th>ends in</th><th>snap [ms]</th><th>travel [mm]</th><th>CPU [s]</th>"
+      "<th></th></tr>\n";
+  for (const ValidationTrial& t : found.trials) {
+    const RungOutcome& o = t.outcome;
+    const bool search = t.role == TrialRole::THRESHOLD;
+    html += "<tr>" + cell(t.name) + cell(search ? "" : vehicle::modeName(o.end)) +
+            cell(number(1e3 * o.snap_time), "n") +
+            cell(search ? "" : number(1e3 * o.least_travel) + " .. " + number(1e3 * o.peak_travel), "n") +
+            cell(number(o.cpu_seconds), "n") +
+            cell(search && o.failure.empty() ? "shortest pulse " + number(1e3 * o.threshold) + " ms" : o.failure) +
+            "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+ordered_json checkJson(const Check& c) {
+  return {{"name", c.name},   {"verdict", verdictName(c.verdict)},
+          {"value", c.value}, {"low", c.low},
+          {"high", c.high},   {"unit", c.unit},
+          {"words", c.words}};
+}
+
+}  // namespace
+
+std::string reportHtml(const Validation& found, const vehicle::ForceTable& table, const ReportHead& head) {
+  const bool good = found.passed();
+  int failed = 0, passed = 0;
+  for (const Check& c : found.checks) {
+    failed += c.verdict == Verdict::FAIL;
+    passed += c.verdict == Verdict::PASS;
+  }
+  const std::string title = "Validation of " + escaped(common::shownBytes(head.vehicle));
+  std::string html = "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><title>" + title + "</title>\n" +
+                     STYLE + "</head><body>\n<h1>" + title + "</h1>\n<p class='verdict " +
+                     (good ? "pass'>Passed: " : "fail'>NOT passed: ") + std::to_string(failed) + " of " +
+                     std::to_string(failed + passed) + " checks failed</p>\n";
+  html += "<h2>Checks</h2>\n" + checkTable(found, true);
+  html += "<h2>Plans</h2>\n" + planTable(found);
+  html += "<div class='plots'>\n" + curvePlot(found, table);
+  for (std::size_t k = 0; k < found.plans.size(); ++k) html += plots(found, static_cast<int>(k));
+  html +=
+      "</div>\n<h2>Told</h2>\n<p>Numbers that do not gate. An accident gates if the vehicle file's must_survive "
+      "names it.</p>\n" +
+      checkTable(found, false);
+  html += "<h2>Trials</h2>\n" + trialTable(found);
+  html += "<h2>Made of</h2>\n<table><tr>" + cell("vehicle file") + cell(head.vehicle_file) + "</tr><tr>" +
+          cell("force table") + cell(head.table_file) + "</tr><tr>" + cell("body of the solids") +
+          cell(head.body_file) + "</tr><tr>" + cell("snapwing") + cell(head.version) + "</tr><tr>" + cell("command") +
+          cell(head.command) + "</tr></table>\n</body></html>\n";
+  return html;
+}
+
+std::string reportJson(const Validation& found, const ReportHead& head) {
+  ordered_json checks = ordered_json::array(), trials = ordered_json::array();
+  for (const Check& c : found.checks) checks.push_back(checkJson(c));
+  for (const ValidationTrial& t : found.trials) {
+    const RungOutcome& o = t.outcome;
+    trials.push_back({{"name", t.name},
+                      {"failure", o.failure},
+                      {"end_mode", vehicle::modeName(o.end)},
+                      {"snap_time", o.snap_time},
+                      {"least_travel", o.least_travel},
+                      {"peak_travel", o.peak_travel},
+                      {"shortest_pulse", o.threshold},
+                      {"cpu_seconds", o.cpu_seconds}});
+  }
+  return common::jsonText(ordered_json{{"vehicle", head.vehicle},
+                                       {"vehicle_file", head.vehicle_file},
+                                       {"table_file", head.table_file},
+                                       {"body_file", head.body_file},
+                                       {"snapwing_version", head.version},
+                                       {"passed", found.passed()},
+                                       {"checks", checks},
+                                       {"trials", trials}});
+}
+
+}  // namespace snapwing::validation

@@ -1,0 +1,192 @@
+#include "snapwing/validation/rung_trial.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "snapwing/common/error.h"
+#include "snapwing/motion/axis_trial.h"
+#include "snapwing/rom/lumped_model.h"
+
+namespace snapwing::validation {
+
+namespace {
+
+constexpr std::size_t MOST_POINTS = 400;  // of a series that is kept
+
+double threadSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Every n-th row, and the last.
+void thin(std::vector<double>& values) {
+  const std::size_t every = (values.size() + MOST_POINTS - 1) / MOST_POINTS;
+  if (every < 2) return;
+  std::vector<double> kept;
+  for (std::size_t k = 0; k < values.size(); k += every) kept.push_back(values[k]);
+  kept.push_back(values.back());
+  values = kept;
+}
+
+/// Shortest of the pulses that switch, in [low, high]. @param switches  asked of a length [s]
+template <class Switches>
+double bisect(double low, double high, const Switches& switches) {
+  while (high - low > 1e-4) {
+    const double middle = 0.5 * (low + high);
+    (switches(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+template <class Switches>
+double shortestNear(double near, const Switches& switches) {
+  constexpr double FARTHEST = 0.060;
+  double away = 0.003, low = std::max(0.0, near - away), high = near + away;
+  while (low > 0 && switches(low)) {
+    high = low, away *= 2, low = std::max(0.0, near - away);
+    if (away > FARTHEST) return std::nan("");
+  }
+  for (away = 0.003; !switches(high);) {
+    low = high, away *= 2, high = near + away;
+    if (away > FARTHEST) return std::nan("");
+  }
+  return bisect(low, high, switches);
+}
+
+}  // namespace
+
+RungRunner::RungRunner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                       const std::optional<vehicle::WingTable>& wing, const std::string& body,
+                       std::function<bool()> cancelled)
+    : vehicle_(vehicle), table_(table), wing_(wing), printed_(vehicle), cancelled_(std::move(cancelled)) {
+  if (!body.empty()) printed_.arm.density_file = body;
+}
+
+vehicle::VehicleParameters RungRunner::parametersOf(const RungTrial& trial) const {
+  return vehicle::realise(vehicle_, table_, trial.box);
+}
+
+motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
+  motion::AxisSettings settings;
+  settings.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
+  settings.cell_size = trial.cell_size;
+  return settings;
+}
+
+RungOutcome RungRunner::runLumped(const RungTrial& trial) const {
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  RungOutcome out;
+  const rom::SnapPrediction p =
+      model.predict(trial.start, trial.pulse, vehicle_.radio, trial.trial, [&](const rom::LumpedState& s) {
+        out.time.push_back(s.time);
+        out.travel.push_back(s.travel);
+        out.thrust.push_back(s.thrust);
+        return true;
+      });
+  out.end = p.end_mode, out.snapped = p.snapped, out.snap_time = p.snap_time;
+  out.peak_travel = p.peak_travel, out.least_travel = p.least_travel, out.margin = p.energy_margin;
+  return out;
+}
+
+RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const {
+  const vehicle::VehicleParameters parameters = parametersOf(trial);
+  const double idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle_.radio, 0));
+  const double fraction =
+      vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle_.radio, trial.pulse.throttle));
+  motion::StepperSettings steps;
+  steps.largest_step = trial.step;
+  steps.relative_tolerance = 1e-6;
+  steps.keep_factor = trial.rung == motion::TrialRung::VOLUMETRIC;
+  motion::Stepper stepper(solid.problem(), motion::Scheme(motion::SchemeKind::MIDPOINT), steps);
+  motion::AxisRun run;
+  motion::AxisRunHooks hooks;
+  if (cancelled_) hooks.stepped = [this](const motion::AxisRun&) { return !cancelled_(); };
+  const motion::AxisTrial pulse =
+      motion::AxisTrial::of(trial.start, fraction, trial.pulse.duration, parameters, idle, trial.trial);
+  if (!motion::runTrial(solid, stepper, pulse, run, hooks)) throw common::Error("cancelled");
+  RungOutcome out;
+  const motion::AxisOutcome& o = run.outcome;
+  out.end = o.end_mode, out.snapped = o.snapped, out.snap_time = o.snap_time;
+  out.peak_travel = o.peak_travel, out.least_travel = o.least_travel, out.imbalance = o.largest_imbalance;
+  out.min_det_f = 1;
+  for (const motion::AxisSample& s : run.samples) {
+    out.time.push_back(s.time);
+    out.travel.push_back(s.travel);
+    out.thrust.push_back(s.thrust);
+    out.min_det_f = std::min(out.min_det_f, s.min_det_f);
+  }
+  return out;
+}
+
+double RungRunner::shortestLumped(const RungTrial& trial) const {
+  constexpr double GRID = 0.005, LONGEST = 1.5;
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  const auto snaps = [&](double d) {
+    return model.predict(trial.start, {trial.pulse.throttle, d}, vehicle_.radio, trial.trial).snapped;
+  };
+  double first = GRID;
+  while (!snaps(first)) {
+    first += GRID;
+    if (first > LONGEST) throw common::Error("no pulse up to 1.5 s switches");
+  }
+  return bisect(first - GRID, first, snaps);
+}
+
+double RungRunner::shortestSolid(const RungTrial& trial, double near) const {
+  const motion::AxisVehicle solid(printed_, parametersOf(trial), trial.trial, settingsOf(trial));
+  RungTrial asked = trial;
+  const double found = shortestNear(near, [&](double d) {
+    asked.pulse.duration = d;
+    return runSolid(asked, solid).snapped;
+  });
+  if (std::isnan(found)) throw common::Error("the shortest pulse that switches is more than 60 ms from the lumped one");
+  return found;
+}
+
+namespace {
+
+/// What `compute` leaves, or why it leaves nothing, and its time.
+template <class Compute>
+RungOutcome accounted(const Compute& compute) {
+  const double begin = threadSeconds();
+  RungOutcome out;
+  try {
+    compute(out);
+  } catch (const common::Error& e) {
+    out = RungOutcome{};
+    out.failure = e.what();
+  }
+  for (std::vector<double>* series : {&out.time, &out.travel, &out.thrust}) thin(*series);
+  out.cpu_seconds = threadSeconds() - begin;
+  return out;
+}
+
+}  // namespace
+
+void RungRunner::requireRung(const RungTrial& trial) const {
+  if (trial.rung == motion::TrialRung::LUMPED || !rom::wingsAct(trial.trial, vehicle_.hasWing())) return;
+  throw common::Error("wings act in this trial, and rung " + motion::rungName(trial.rung) + " has none");
+}
+
+RungOutcome RungRunner::run(const RungTrial& trial) const {
+  return accounted([&](RungOutcome& out) {
+    requireRung(trial);
+    out = trial.rung == motion::TrialRung::LUMPED
+              ? runLumped(trial)
+              : runSolid(trial, motion::AxisVehicle(printed_, parametersOf(trial), trial.trial, settingsOf(trial)));
+  });
+}
+
+RungOutcome RungRunner::shortest(const RungTrial& trial) const {
+  return accounted([&](RungOutcome& out) {
+    requireRung(trial);
+    const double lumped = shortestLumped(trial);
+    out.threshold = trial.rung == motion::TrialRung::LUMPED ? lumped : shortestSolid(trial, lumped);
+  });
+}
+
+}  // namespace snapwing::validation

@@ -1,0 +1,223 @@
+#include "snapwing/validation/validation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <sstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/parallel.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/planning/uncertainty_points.h"
+#include "snapwing/validation/kept_results.h"
+
+namespace snapwing::validation {
+
+namespace {
+
+using motion::TrialRung;
+using vehicle::Mode;
+
+Mode other(Mode mode) { return mode == Mode::FIXED_WING ? Mode::QUADROTOR : Mode::FIXED_WING; }
+
+/// The trials of all plans, in the order in which they run: the longest first.
+class TrialList {
+ public:
+  TrialList(const vehicle::Vehicle& vehicle, const ValidationSettings& settings, const planning::PulsePlanner& planner,
+            const std::vector<PlanFile>& plans)
+      : vehicle_(vehicle), settings_(settings), planner_(planner), plans_(plans) {
+    for (std::size_t k = 0; k < plans_.size(); ++k) {
+      plan_ = static_cast<int>(k);
+      add(TrialRole::THRESHOLD, TrialRung::PLANAR);
+      add(TrialRole::THRESHOLD, TrialRung::LUMPED);
+      if (!settings_.volumetric) continue;
+      add(TrialRole::NOMINAL, TrialRung::VOLUMETRIC);
+      add(TrialRole::COARSE, TrialRung::VOLUMETRIC);
+    }
+    for (std::size_t k = 0; k < plans_.size(); ++k) {
+      plan_ = static_cast<int>(k);
+      add(TrialRole::HALF_STEP, TrialRung::PLANAR);
+      add(TrialRole::NOMINAL, TrialRung::PLANAR);
+      add(TrialRole::NOMINAL, TrialRung::LUMPED);
+      addWeakest();
+      addSamples();
+    }
+  }
+  std::vector<ValidationTrial> take() { return std::move(trials_); }
+
+ private:
+  const PlanFile& plan() const { return plans_[static_cast<std::size_t>(plan_)]; }
+
+  void add(TrialRole role, TrialRung rung, const std::string& which = {}, const std::vector<double>& point = {}) {
+    ValidationTrial t;
+    t.plan = plan_;
+    t.role = role;
+    t.name = plan().word() + "_" + motion::rungName(rung) + (which.empty() ? "" : "_" + which);
+    if (role == TrialRole::THRESHOLD) t.name += "_shortest_pulse";
+    if (role == TrialRole::HALF_STEP) t.name += "_half_step";
+    if (role == TrialRole::COARSE) t.name += "_coarse";
+    t.trial.rung = rung;
+    t.trial.start = plan().start;
+    t.trial.trial = plan().trial;
+    t.trial.pulse = plan().pulse;
+    t.trial.cell_size = rung == TrialRung::VOLUMETRIC ? settings_.solid_cell : settings_.planar_cell;
+    if (role == TrialRole::COARSE) t.trial.cell_size *= 2;
+    t.trial.step = role == TrialRole::HALF_STEP ? settings_.step / 2 : settings_.step;
+    if (!point.empty()) {
+      t.trial.box.assign(point.begin(), point.end() - 1);
+      t.trial.pulse = planning::receivedPulse(plan().pulse, planner_.settings(), vehicle_.radio, point.back());
+    }
+    trials_.push_back(std::move(t));
+  }
+  /// A vehicle of the box: in the plane, and lumped beside it.
+  void addVehicle(TrialRole role, const std::string& which, const std::vector<double>& point) {
+    add(role, TrialRung::PLANAR, which, point);
+    add(role, TrialRung::LUMPED, which, point);
+  }
+  void addWeakest() {
+    if (settings_.weakest == 0) return;
+    int number = 0;
+    for (const auto& v : planner_.weakest(plan().start, plan().pulse, plan().trial, settings_.weakest)) {
+      addVehicle(TrialRole::WEAKEST, "weakest_" + std::to_string(++number), v.coordinates);
+    }
+  }
+  void addSamples() {
+    if (settings_.samples == 0) return;
+    const int dimension = static_cast<int>(planning::plannerCoordinateNames().size());
+    int number = 0;
+    for (const auto& point : planning::sobolPoints(dimension, settings_.samples, settings_.first_sample)) {
+      addVehicle(TrialRole::SAMPLE, "sample_" + std::to_string(++number), point);
+    }
+  }
+
+  const vehicle::Vehicle& vehicle_;
+  const ValidationSettings& settings_;
+  const planning::PulsePlanner& planner_;
+  const std::vector<PlanFile>& plans_;
+  int plan_ = 0;
+  std::vector<ValidationTrial> trials_;
+};
+
+/// All that an outcome depends on, as a hash.
+std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
+  std::ostringstream text;
+  text.precision(17);
+  const RungTrial& r = t.trial;
+  text << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';' << static_cast<int>(r.start)
+       << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';' << r.cell_size << ';' << r.step << ';'
+       << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount) << ';'
+       << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';' << r.trial.initial_speed << ';'
+       << r.trial.push << ';' << r.trial.horizon << ';' << r.trial.initial_thrust_fraction.value_or(-1) << ';'
+       << r.trial.final_thrust_fraction.value_or(-1);
+  for (const double x : r.box) text << ';' << x;
+  return common::sha256(text.str());
+}
+
+std::vector<PlanFile> planBoth(const vehicle::Vehicle& vehicle, const planning::PulsePlanner& planner,
+                               std::vector<Check>* checks) {
+  std::vector<PlanFile> plans;
+  for (const Mode start : {Mode::FIXED_WING, Mode::QUADROTOR}) {
+    PlanFile plan;
+    plan.start = start;
+    plan.trial.mount = vehicle::mountFor(vehicle, "auto", "validate");
+    const planning::TransitionPlan found = planner.plan(start, other(start), plan.trial);
+    plan.pulse = found.pulse;
+    plan.worst_margin = found.worst_margin;
+    checks->push_back(yesOrNo(plan.name() + ": a plan", found.accepted,
+                              found.accepted ? "found by the planner with its defaults" : found.reason));
+    if (found.accepted) plans.push_back(plan);
+  }
+  return plans;
+}
+
+std::vector<Check> checkOrigin(const std::vector<PlanFile>& plans, const vehicle::Vehicle& vehicle,
+                               const std::string& table_sha256) {
+  std::vector<Check> checks;
+  for (const PlanFile& plan : plans) {
+    if (plan.file.empty()) continue;
+    const bool own = plan.vehicle_sha256 == vehicle.sha256, same_table = plan.table_sha256 == table_sha256;
+    std::string words = own && same_table ? "hashes are equal" : own ? "" : "it was planned for another vehicle file";
+    if (!same_table) words += std::string(words.empty() ? "" : "; ") + "it was planned on another force table";
+    checks.push_back(yesOrNo(plan.name() + ": plan of this vehicle and table", own && same_table, words));
+  }
+  return checks;
+}
+
+/// Runs all trials, or takes what an earlier run has left.
+class TrialRuns {
+ public:
+  TrialRuns(const RungRunner& runner, const ValidationHooks& hooks, const std::string& inputs)
+      : runner_(runner), hooks_(hooks), inputs_(inputs) {
+    if (!hooks.folder.empty()) kept_.emplace(hooks.folder);
+  }
+  void run(std::vector<ValidationTrial>& trials, int threads) {
+    all_ = static_cast<int>(trials.size());
+    common::parallelFor(all_, threads, [&](int k) { one(trials[static_cast<std::size_t>(k)]); });
+  }
+
+ private:
+  bool cancelled() const { return hooks_.cancelled && hooks_.cancelled(); }
+  void one(ValidationTrial& t) {
+    if (cancelled()) return;
+    const std::string key = keyOf(t, inputs_);
+    if (!kept_ || !kept_->load(t.name, key, &t.outcome)) {
+      t.outcome = t.role == TrialRole::THRESHOLD ? runner_.shortest(t.trial) : runner_.run(t.trial);
+      if (cancelled()) return;
+      if (kept_) kept_->save(t.name, key, t.outcome);
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (hooks_.progress) hooks_.progress(++done_, all_, t.name);
+  }
+  const RungRunner& runner_;
+  const ValidationHooks& hooks_;
+  std::string inputs_;
+  std::optional<KeptResults> kept_;
+  std::mutex mutex_;
+  int done_ = 0, all_ = 0;
+};
+
+}  // namespace
+
+void ValidationSettings::validate() const {
+  common::requireWithin("validation", "planar_cell", planar_cell, 1e-4, 0.02);
+  common::requireWithin("validation", "solid_cell", solid_cell, 1e-4, 0.02);
+  common::requireWithin("validation", "weakest", weakest, 0, 500);
+  common::requireWithin("validation", "samples", samples, 0, 10000);
+  common::requireWithin("validation", "step", step, 1e-5, 0.02);
+  common::requireWithin("validation", "threads", threads, 1, 256);
+}
+
+Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                    const std::optional<vehicle::WingTable>& wing, std::vector<PlanFile> plans,
+                    const ValidationSettings& settings, const ValidationHooks& hooks) {
+  settings.validate();
+  Validation found;
+  const auto add = [&](const std::vector<Check>& more) {
+    found.checks.insert(found.checks.end(), more.begin(), more.end());
+  };
+  const bool winged = wing.has_value();
+  found.accidents = planning::accidentMargins(vehicle, table, winged ? wing : std::nullopt);
+  const std::vector<Check> accidents = checkAccidents(found.accidents, vehicle);
+  const planning::PulsePlanner planner(vehicle, table, {}, wing);
+  if (plans.empty()) {
+    plans = planBoth(vehicle, planner, &found.checks);
+  } else {
+    add(checkOrigin(plans, vehicle, common::sha256OfFile(vehicle.arm.table_file)));
+  }
+  found.plans = plans;
+  const std::string body = settings.body.empty() ? vehicle.arm.density_file : settings.body;
+  if (hooks.progress) hooks.progress(0, 0, "static curve");
+  found.curve = traceArm(vehicle, body, settings.planar_cell, hooks.cancelled);
+  add(checkCurve(found.curve, table, vehicle));
+  found.trials = TrialList(vehicle, settings, planner, found.plans).take();
+  const RungRunner runner(vehicle, table, wing, settings.body, hooks.cancelled);
+  const std::string inputs = vehicle.sha256 + common::sha256OfFile(vehicle.arm.table_file) + common::sha256OfFile(body);
+  TrialRuns(runner, hooks, inputs).run(found.trials, settings.threads);
+  found.cancelled = hooks.cancelled && hooks.cancelled();
+  if (found.cancelled) return found;
+  add(checkTrials(found, vehicle));
+  add(accidents);
+  return found;
+}
+
+}  // namespace snapwing::validation

@@ -1,0 +1,210 @@
+// A gate that can say no: each kind of fault is refused by name.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "snapwing/common/error.h"
+#include "snapwing/mpm/density_field.h"
+#include "snapwing/validation/validation.h"
+#include "snapwing/vehicle/table_origin.h"
+#include "support/own_folder.h"
+#include "support/paths.h"
+
+namespace snapwing::validation {
+namespace {
+
+using motion::TrialRung;
+using vehicle::Mode;
+
+struct Shipped {
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::ForceTable table = vehicle::armTableOf(vehicle);
+  std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, table);
+};
+
+/// The verdict of the one check whose name ends so.
+Verdict verdictOf(const std::vector<Check>& checks, const std::string& end) {
+  const Check* found = nullptr;
+  for (const Check& c : checks) {
+    if (c.name.size() < end.size() || c.name.compare(c.name.size() - end.size(), end.size(), end) != 0) continue;
+    EXPECT_EQ(found, nullptr) << "two checks end with " << end;
+    found = &c;
+  }
+  EXPECT_NE(found, nullptr) << "no check ends with " << end;
+  return found == nullptr ? Verdict::TOLD : found->verdict;
+}
+
+TEST(Check, ANumberThatIsNoneFails) {
+  EXPECT_EQ(within("x", 1, 0, 2, "m").verdict, Verdict::PASS);
+  EXPECT_EQ(within("x", 3, 0, 2, "m").verdict, Verdict::FAIL);
+  EXPECT_EQ(within("x", 3, 0, NAN, "m").verdict, Verdict::PASS);
+  EXPECT_EQ(within("x", NAN, NAN, NAN, "m").verdict, Verdict::FAIL);
+}
+
+TEST(Check, NothingCheckedIsNotPassed) {
+  EXPECT_FALSE(passed({}));
+  EXPECT_FALSE(passed({told("x", 1, "m")}));
+  EXPECT_TRUE(passed({told("x", 1, "m"), yesOrNo("y", true, "")}));
+  EXPECT_FALSE(passed({yesOrNo("y", true, ""), yesOrNo("z", false, "")}));
+}
+
+/// A plan F -> Q whose nominal trials ran on two rungs, all as predicted.
+Validation twoRungs() {
+  Validation found;
+  found.plans.emplace_back();
+  for (const TrialRung rung : {TrialRung::LUMPED, TrialRung::PLANAR}) {
+    for (const TrialRole role : {TrialRole::NOMINAL, TrialRole::THRESHOLD}) {
+      ValidationTrial t;
+      t.name = "trial";
+      t.role = role;
+      t.trial.rung = rung;
+      t.outcome.snapped = role == TrialRole::NOMINAL;
+      t.outcome.end = Mode::QUADROTOR;
+      t.outcome.snap_time = 0.130;
+      t.outcome.peak_travel = 0.070;
+      t.outcome.threshold = 0.050;
+      found.trials.push_back(t);
+    }
+  }
+  return found;
+}
+
+TEST(Gate, RungsThatAgreePass) {
+  const std::vector<Check> checks = checkTrials(twoRungs(), Shipped().vehicle);
+  EXPECT_TRUE(passed(checks));
+  EXPECT_GE(checks.size(), 7U);
+}
+
+TEST(Gate, RungsThatDisagreeFailByName) {
+  const vehicle::Vehicle vehicle = Shipped().vehicle;
+  Validation found = twoRungs();
+  RungOutcome& planar = found.trials[2].outcome;
+  planar.snap_time += 0.006;
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar against lumped: time of the snap"), Verdict::FAIL);
+  found = twoRungs();
+  found.trials[2].outcome.peak_travel += 0.0021;
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar against lumped: peak travel"), Verdict::FAIL);
+  found = twoRungs();
+  found.trials[3].outcome.threshold += 0.0031;
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar against lumped: shortest pulse"), Verdict::FAIL);
+  found = twoRungs();
+  found.trials[2].outcome.snapped = false;
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar, nominal: end mode"), Verdict::FAIL);
+  found = twoRungs();
+  found.trials[2].outcome.peak_travel = vehicle.limits.travel_max + 0.001;
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar, nominal: peak within limits.travel_max"), Verdict::FAIL);
+}
+
+TEST(Gate, ASolverThatFailsIsAFailureInItsOwnWords) {
+  Validation found = twoRungs();
+  found.trials[2].outcome = RungOutcome{};
+  found.trials[2].outcome.failure = "the motion failed at 0.1 s";
+  for (const Check& c : checkTrials(found, Shipped().vehicle)) {
+    if (c.name == "F -> Q, planar, nominal: end mode") {
+      EXPECT_EQ(c.words, "the motion failed at 0.1 s");
+    }
+  }
+  EXPECT_EQ(verdictOf(checkTrials(found, Shipped().vehicle), "planar, nominal: end mode"), Verdict::FAIL);
+}
+
+TEST(Gate, SolidsAreJudgedExtrapolated) {
+  Validation found = twoRungs();
+  for (const double coarser : {0.0, 1.0}) {
+    ValidationTrial t = found.trials[2];
+    t.role = coarser > 0 ? TrialRole::COARSE : TrialRole::NOMINAL;
+    t.trial.rung = TrialRung::VOLUMETRIC;
+    t.outcome.snap_time = 0.130 + 0.008 * (1 + coarser);  // error of 8 ms at h, 16 ms at 2 h
+    found.trials.push_back(t);
+  }
+  EXPECT_EQ(verdictOf(checkTrials(found, Shipped().vehicle), "volumetric against lumped: time of the snap"),
+            Verdict::PASS);
+  found.trials.back().outcome.snap_time = 0.138;  // no change with the cells: the 8 ms are the solid's own
+  EXPECT_EQ(verdictOf(checkTrials(found, Shipped().vehicle), "volumetric against lumped: time of the snap"),
+            Verdict::FAIL);
+}
+
+TEST(Gate, AccidentsGateOnlyWhatTheFileNames) {
+  vehicle::Vehicle vehicle = Shipped().vehicle;
+  vehicle.must_survive = {"b"};
+  std::vector<planning::AccidentMargin> accidents(2);
+  accidents[0].name = "a", accidents[1].name = "b";
+  accidents[1].holds = true;
+  EXPECT_TRUE(passed(checkAccidents(accidents, vehicle)));
+  accidents[1].holds = false;
+  EXPECT_EQ(verdictOf(checkAccidents(accidents, vehicle), "accident: b"), Verdict::FAIL);
+  vehicle.must_survive = {"c"};
+  try {
+    checkAccidents(accidents, vehicle);
+    FAIL() << "an unknown accident is taken";
+  } catch (const common::SettingError& e) {
+    EXPECT_NE(std::string(e.what()).find("must_survive"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("a, b"), std::string::npos);
+  }
+}
+
+TEST(Curve, AnInternalSnapIsRefusedByName) {
+  const Shipped shipped;
+  ArmCurve curve;
+  curve.travel = {0, 0.02, 0.03, 0.025, 0.05};
+  curve.force = {0, 3, 3.5, 1, 0};
+  curve.turns = {0.03, 0.025};
+  EXPECT_EQ(verdictOf(checkCurve(curve, shipped.table, shipped.vehicle), "no internal snap"), Verdict::FAIL);
+  curve.turns.clear();
+  curve.unstable = 1;
+  EXPECT_EQ(verdictOf(checkCurve(curve, shipped.table, shipped.vehicle), "no internal snap"), Verdict::FAIL);
+}
+
+/// The body with .2 mm less at each of its edges: walls printed .4 mm too thin.
+std::string thinBody(const vehicle::Vehicle& vehicle) {
+  const auto& arm = vehicle.arm;
+  const mpm::DensityField body = mpm::loadDensityCsv(arm.density_file, arm.domain_length, arm.domain_height);
+  const int columns = body.cells[0], rows = body.cells[1];
+  const double lost = 0.2e-3 / body.cell_size;
+  const auto at = [&](int i, int j) {
+    if (i < 0 || j < 0 || i >= columns || j >= rows) return 0.0;
+    return body.value[static_cast<std::size_t>(j * columns + i)];
+  };
+  const std::string path = test::ownFolder() + "thin.csv";
+  std::ofstream out(path);
+  out << "i,j,rho\n";
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      if (at(i, j) < 0) continue;
+      int edges = 0;
+      for (const auto& [di, dj] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+        edges += at(i + di, j + dj) < 0.5;
+      }
+      out << i << ',' << j << ',' << std::max(0.0, at(i, j) - edges * lost) << '\n';
+    }
+  }
+  return path;
+}
+
+TEST(Curve, TheShippedBodyPassesAndOneThatIsTooThinFailsByItsPeak) {
+  const Shipped shipped;
+  const ArmCurve good = traceArm(shipped.vehicle, shipped.vehicle.arm.density_file, 1e-3);
+  EXPECT_TRUE(passed(checkCurve(good, shipped.table, shipped.vehicle)));
+  const ArmCurve thin = traceArm(shipped.vehicle, thinBody(shipped.vehicle), 1e-3);
+  EXPECT_EQ(verdictOf(checkCurve(thin, shipped.table, shipped.vehicle), "static curve: peak"), Verdict::FAIL);
+  EXPECT_LT(thin.peak_force, 0.9 * good.peak_force);
+}
+
+TEST(Validate, APlanThatIsTooShortFailsByName) {
+  const Shipped shipped;
+  PlanFile plan;
+  plan.start = Mode::FIXED_WING;
+  plan.pulse = {0.577, 0.030};
+  plan.trial.mount = vehicle::Mount::BOOM;
+  ValidationSettings settings;
+  settings.planar_cell = 2.5e-3;
+  settings.volumetric = false;
+  settings.samples = settings.weakest = 0;
+  const Validation found = validate(shipped.vehicle, shipped.table, shipped.wing, {plan}, settings);
+  EXPECT_FALSE(found.passed());
+  EXPECT_EQ(verdictOf(found.checks, "F -> Q, planar, nominal: end mode"), Verdict::FAIL);
+  EXPECT_EQ(verdictOf(found.checks, "F -> Q, lumped, nominal: end mode"), Verdict::FAIL);
+}
+
+}  // namespace
+}  // namespace snapwing::validation
