@@ -37,7 +37,7 @@ void print(const statics::PathResult& path) {
 
 void traceSceneFile(const std::string& file, const std::string& drive, double cell_size, int steps) {
   scene::Scene scene = scene::loadScene(file);
-  scene.drive = solver::driveFromName(drive);
+  scene.enforcement = solver::enforcementFromName(drive);
   if (cell_size > 0) scene.cell_size = cell_size;
   if (steps > 0) scene.steps = steps;
   const auto compiled = scene::compileScene(scene, 1);

@@ -145,7 +145,7 @@ class Trial {
 
 struct Case {
   const char* name;
-  standin::PlantMount mount;
+  vehicle::Mount mount;
   bool wings;
   Mode start;
   double hand_share;  ///< [1] of what Q holds
@@ -178,17 +178,17 @@ void brakeAndGoOn(Trial& t) {
 }
 
 const Case CASES[] = {
-    {"at rest in F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4, [](Trial& t) { t.run(3.0); }},
-    {"at rest in Q", standin::PlantMount::BOOM, false, Mode::QUADROTOR, 0.4, [](Trial& t) { t.run(3.0); }},
-    {"boom, F -> Q -> F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
+    {"at rest in F", vehicle::Mount::BOOM, false, Mode::FIXED_WING, 0.4, [](Trial& t) { t.run(3.0); }},
+    {"at rest in Q", vehicle::Mount::BOOM, false, Mode::QUADROTOR, 0.4, [](Trial& t) { t.run(3.0); }},
+    {"boom, F -> Q -> F", vehicle::Mount::BOOM, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) { both(t, 0.647, 0.171, 1.0, 0.588); }},
-    {"free, wings off, F -> Q -> F", standin::PlantMount::FREE, false, Mode::FIXED_WING, 0.4,
+    {"free, wings off, F -> Q -> F", vehicle::Mount::FREE, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) { both(t, 0.617, 0.162, 1.0, 0.583); }},
-    {"free, wings on, F -> Q -> F", standin::PlantMount::FREE, true, Mode::FIXED_WING, 0.4,
+    {"free, wings on, F -> Q -> F", vehicle::Mount::FREE, true, Mode::FIXED_WING, 0.4,
      [](Trial& t) { both(t, 0.622, 0.287, 0.999, 0.608); }},
-    {"boom, gentle hand in Q, Q -> F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4, brakeAndGoOn},
-    {"boom, hand brakes too hard in Q", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.99, brake},
-    {"boom, pushed back after F -> Q", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
+    {"boom, gentle hand in Q, Q -> F", vehicle::Mount::BOOM, false, Mode::FIXED_WING, 0.4, brakeAndGoOn},
+    {"boom, hand brakes too hard in Q", vehicle::Mount::BOOM, false, Mode::FIXED_WING, 0.99, brake},
+    {"boom, pushed back after F -> Q", vehicle::Mount::BOOM, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) {
        t.run(0.3);
        t.pulse(0.647, 0.171);
@@ -196,19 +196,19 @@ const Case CASES[] = {
        t.pushFor(-t.uniform(6.0, 15.0), t.uniform(0.15, 0.4));
        t.run(1.0);
      }},
-    {"boom, pushed up in F", standin::PlantMount::BOOM, false, Mode::FIXED_WING, 0.4,
+    {"boom, pushed up in F", vehicle::Mount::BOOM, false, Mode::FIXED_WING, 0.4,
      [](Trial& t) {
        t.run(0.5);
        t.pushFor(t.uniform(10.0, 22.0), t.uniform(0.12, 0.3));
        t.run(1.5);
      }},
-    {"boom, pushed down in Q", standin::PlantMount::BOOM, false, Mode::QUADROTOR, 0.4,
+    {"boom, pushed down in Q", vehicle::Mount::BOOM, false, Mode::QUADROTOR, 0.4,
      [](Trial& t) {
        t.run(0.5);
        t.pushFor(-t.uniform(3.0, 12.0), t.uniform(0.1, 0.4));
        t.run(1.5);
      }},
-    {"free, wings on, pushed up in F", standin::PlantMount::FREE, true, Mode::FIXED_WING, 0.4,
+    {"free, wings on, pushed up in F", vehicle::Mount::FREE, true, Mode::FIXED_WING, 0.4,
      [](Trial& t) {
        t.run(0.5);
        t.pushFor(t.uniform(8.0, 20.0), t.uniform(0.15, 0.4));
@@ -278,7 +278,7 @@ int main(int argc, char** argv) {
     flight.mount = c.mount;
     flight.hand_share_q = c.hand_share;
     planning::EstimatorSettings s = settings;
-    s.mount = c.mount == standin::PlantMount::BOOM ? vehicle::Mount::BOOM : vehicle::Mount::FREE;
+    s.mount = c.mount == vehicle::Mount::BOOM ? vehicle::Mount::BOOM : vehicle::Mount::FREE;
     flight.wings = s.wings = c.wings;
     Score sum;
     for (int k = 0; k < seeds; ++k) {

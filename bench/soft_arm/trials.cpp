@@ -40,7 +40,8 @@ class EndRule {
     state.thrust = s.thrust;
     const rom::RelativeLoad load = model_.relativeLoad(state, trial_);
     const double coupled = model_.inertiaOf(trial_)->at(s.travel).coupled_mass;
-    return s.travel > features_.valley_travel && load.force - load.felt * coupled > 0.8 * features_.valley_force;
+    return s.travel > features_.valley_travel &&
+           load.force - load.specific_force * coupled > 0.8 * features_.valley_force;
   }
   double barrier() const { return features_.barrier_travel; }
 

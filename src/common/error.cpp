@@ -1,6 +1,6 @@
 #include "snapwing/common/error.h"
 
-#include <cstdio>
+#include "snapwing/common/require.h"
 
 namespace snapwing::common {
 
@@ -19,10 +19,7 @@ SettingError::SettingError(const std::string& where, const std::string& key, con
 FileError::FileError(const std::string& path, const std::string& why) : Error(path + ": " + why) {}
 
 void requireWithin(const char* who, const char* key, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "%s: %s is %g; allowed: %g .. %g", who, key, value, low, high);
-  throw Error(text);
+  Require(who).within(key, value, low, high);
 }
 
 }  // namespace snapwing::common

@@ -5,13 +5,12 @@
 #include <string>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::common {
 
 double throttleMicroseconds(const ThrottleScale& scale, double throttle) {
-  if (!(throttle >= 0.0 && throttle <= 1.0)) {
-    throw Error("throttle is " + std::to_string(throttle) + "; allowed: 0 .. 1");
-  }
+  Require().within("throttle", throttle, 0, 1);
   return scale.low + throttle * (scale.high - scale.low);
 }
 

@@ -4,16 +4,13 @@
 #include <cmath>
 #include <cstdio>
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::common {
 
 namespace {
 
-void requirePositive(const char* name, double value) {
-  if (!(value > 0 && std::isfinite(value)))
-    throw Error(std::string("time watch: ") + name + " is " + std::to_string(value) + "; allowed: above 0 s");
-}
+const Require require("time watch");
 
 bool isTime(double value) { return std::isfinite(value) && value > 0; }
 
@@ -25,7 +22,7 @@ std::string words(const char* before, double seconds, const char* after) {
 
 }  // namespace
 
-ClockWatch::ClockWatch(double tolerance) : tolerance_(tolerance) { requirePositive("tolerance", tolerance); }
+ClockWatch::ClockWatch(double tolerance) : tolerance_(tolerance) { require.positive("tolerance", tolerance, " s"); }
 
 ClockEvent ClockWatch::look(double now, double steady) {
   if (!isTime(now)) return ClockEvent::MISSING;
@@ -44,8 +41,8 @@ ClockEvent ClockWatch::look(double now, double steady) {
 }
 
 StampWatch::StampWatch(const StampLimits& limits) : limits_(limits) {
-  requirePositive("stale", limits.stale);
-  requirePositive("ahead", limits.ahead);
+  require.positive("stale", limits.stale, " s");
+  require.positive("ahead", limits.ahead, " s");
 }
 
 StampVerdict StampWatch::take(double stamp, double now, double steady) {

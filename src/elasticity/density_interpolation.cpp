@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::elasticity {
 
@@ -25,13 +25,11 @@ DensityInterpolation::Value DensityInterpolation::at(double density) const {
 }
 
 void DensityInterpolation::validate() const {
-  const auto check = [](bool good, const char* name, double value, const char* allowed) {
-    if (!good) throw common::Error(std::string(name) + " is " + common::toText(value) + "; allowed: " + allowed);
-  };
-  check(void_stiffness > 0 && void_stiffness < 1, "void_stiffness", void_stiffness, "in (0, 1)");
-  check(power >= 1 && power <= 10, "power", power, "1 .. 10");
-  check(sharpness > 0 && sharpness < 1e6, "sharpness", sharpness, "in (0, 1e6)");
-  check(threshold > 0 && threshold < 1, "threshold", threshold, "in (0, 1)");
+  const common::Require require;
+  require(void_stiffness > 0 && void_stiffness < 1, "void_stiffness", void_stiffness, "in (0, 1)");
+  require(power >= 1 && power <= 10, "power", power, "1 .. 10");
+  require(sharpness > 0 && sharpness < 1e6, "sharpness", sharpness, "in (0, 1e6)");
+  require(threshold > 0 && threshold < 1, "threshold", threshold, "in (0, 1)");
 }
 
 }  // namespace snapwing::elasticity

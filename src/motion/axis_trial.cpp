@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 #include "snapwing/vehicle/rotor_lag.h"
 
 namespace snapwing::motion {
@@ -73,8 +74,8 @@ double ThrustHistory::mean(double from, double until) const {
 
 AxisTrial AxisTrial::of(vehicle::Mode start, double fraction, double duration,
                         const vehicle::VehicleParameters& parameters, double idle, const vehicle::Trial& trial) {
-  common::requireWithin("trial", "thrust fraction", fraction, 0, 1);
-  common::requireWithin("trial", "duration", duration, 0, 60);
+  common::Require("trial").within("thrust fraction", fraction, 0, 1);
+  common::Require("trial").within("duration", duration, 0, 60);
   AxisTrial out;
   out.start = start;
   out.fraction = fraction;

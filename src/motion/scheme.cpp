@@ -5,6 +5,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::motion {
 
@@ -45,8 +46,8 @@ SchemeKind schemeFromName(const std::string& name) {
 std::string schemeName(SchemeKind kind) { return NAMES[static_cast<std::size_t>(kind)]; }
 
 Scheme::Scheme(SchemeKind kind, int points, double bias) : kind_(kind), points_(points), bias_(bias) {
-  common::requireWithin("scheme", "points", points, 1, 4);
-  common::requireWithin("scheme", "bias", bias, 0, 0.5);
+  common::Require("scheme").within("points", points, 1, 4);
+  common::Require("scheme").within("bias", bias, 0, 0.5);
   if (bias > 0 && kind != SchemeKind::MIDPOINT) {
     throw common::Error("bias is " + common::toText(bias) + " with scheme " + schemeName(kind) +
                         "; allowed: 0, or scheme midpoint");

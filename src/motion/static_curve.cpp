@@ -65,7 +65,7 @@ void StaticCurve::follow(double to, double step) {
   solver::Equilibrium x = solver.start(Eigen::VectorXd::Zero(scene_.problem().freeCount()), 0);
   solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(0, result);
-  solver.settle(x);
+  solver.linearise(x);
   points_.push_back(describe(x));
   const int count = std::max(1, static_cast<int>(std::ceil(to / step - 1e-9)));
   double smaller = 1;
@@ -78,7 +78,7 @@ void StaticCurve::follow(double to, double step) {
       next = points_.back().control + smaller * to / count;
       continue;
     }
-    solver.settle(trial);
+    solver.linearise(trial);
     x = trial;
     points_.push_back(describe(x));
     smaller = std::min(1.0, 2 * smaller);
@@ -95,7 +95,7 @@ StaticPoint StaticCurve::at(double control) const {
   solver::Equilibrium x = solver.start(nearest->z + (control - nearest->control) * nearest->slope, control);
   const solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(control, result);
-  solver.settle(x);
+  solver.linearise(x);
   return describe(x);
 }
 

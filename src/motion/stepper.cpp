@@ -5,6 +5,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::motion {
 
@@ -12,9 +13,7 @@ using solver::Order;
 using solver::Term;
 
 void StepperSettings::validate() const {
-  const auto require = [](bool good, const std::string& name, double value, const std::string& allowed) {
-    if (!good) throw common::Error(name + " is " + common::toText(value) + "; allowed: " + allowed);
-  };
+  const common::Require require;
   require(largest_step > 0 && largest_step <= 1, "largest_step", largest_step, "(0, 1] s");
   require(smallest_step > 0 && smallest_step <= largest_step, "smallest_step", smallest_step, "(0, largest_step]");
   require(error >= 0 && std::isfinite(error), "error", error, ">= 0 m");

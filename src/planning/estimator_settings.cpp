@@ -1,19 +1,14 @@
 #include <cmath>
 #include <string>
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 #include "snapwing/planning/mode_estimator.h"
 
 namespace snapwing::planning {
 
 namespace {
 
-void require(bool good, const char* name, double value, const char* allowed) {
-  if (!good) {
-    throw common::Error(std::string("mode estimator: ") + name + " is " + std::to_string(value) +
-                        "; allowed: " + allowed);
-  }
-}
+const common::Require require("mode estimator");
 
 }  // namespace
 

@@ -263,9 +263,9 @@ void ModeEstimator::Impl::follow(double span, double specific_force) {
   // A hand may hold the ring for ever, but nobody accelerates it for long. A light touch that only corrects what the
   // particles get wrong says nothing against them; nor does one within their drag: a wrong drag on a long flight looks
   // like a hand that pushes as the square of a speed that nothing measures.
-  const double felt = std::abs(specific_force - settings.gravity);
+  const double deviation = std::abs(specific_force - settings.gravity);
   const double push = pushOfTouched();
-  const bool pushed = touched > 0.5 && felt > LASTING_FORCE && push > LASTING_SHARE * felt;
+  const bool pushed = touched > 0.5 && deviation > LASTING_FORCE && push > LASTING_SHARE * deviation;
   touched_time = pushed ? touched_time + span : 0.0;
   const double odds = surelyAtLeast(shareInQuadrotor(particles, barrier));
   if (odds > DECIDED) sampling_variance = 0;

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::planning {
 
@@ -19,23 +19,21 @@ constexpr double RATE_TIME = 0.5;  // [s] over which the rate of the readings is
 constexpr std::size_t BURST = 16;  // readings at once from which they are thinned
 constexpr const char* FELL_BEHIND = "this computer fell behind the IMU readings, and nothing has shown the mode since";
 
-void require(const char* name, double value, double low, double high) {
-  common::requireWithin("mode observer", name, value, low, high);
-}
+const common::Require require("mode observer");
 
 }  // namespace
 
 void ObserverSettings::validate() const {
-  require("input_delay", input_delay, 0.0, 0.5);
-  require("link_timeout", link_timeout, 0.1, 5.0);
-  require("frame_delay", frame_delay, 0.0, 0.2);
-  require("silence", silence, 0.05, 1.0);
-  require("stale", stale, 0.5, 10.0);
-  require("burst_spacing", burst_spacing, 1e-3, 0.1);
-  require("least_rate", least_rate, 0.0, 200.0);
-  require("hurry", hurry, 0.05, 2.0);
-  require("most_behind", most_behind, hurry, 5.0);
-  require("idle_output", idle_output, 0.0, 1.0);
+  require.within("input_delay", input_delay, 0.0, 0.5);
+  require.within("link_timeout", link_timeout, 0.1, 5.0);
+  require.within("frame_delay", frame_delay, 0.0, 0.2);
+  require.within("silence", silence, 0.05, 1.0);
+  require.within("stale", stale, 0.5, 10.0);
+  require.within("burst_spacing", burst_spacing, 1e-3, 0.1);
+  require.within("least_rate", least_rate, 0.0, 200.0);
+  require.within("hurry", hurry, 0.05, 2.0);
+  require.within("most_behind", most_behind, hurry, 5.0);
+  require.within("idle_output", idle_output, 0.0, 1.0);
 }
 
 Mode shownMode(Mode before, const ModeEstimate& estimate) {

@@ -1,25 +1,21 @@
 #include <cmath>
 #include <string>
 
-#include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/common/require.h"
 #include "snapwing/planning/pulse_planner.h"
 
 namespace snapwing::planning {
 
 namespace {
-void require(bool good, const char* name, double value, const std::string& allowed) {
-  if (!good) {
-    throw common::Error(std::string("planner: ") + name + " is " + common::toText(value) + "; allowed: " + allowed);
-  }
-}
+const common::Require require("planner");
 
 /// Two bounds of a pulse. Where they cross, the upper one is named: it is the one that `snapwing plan` lets a user
 /// give.
 void requireBounds(const std::string& quantity, double min, double max, double most, const std::string& unit) {
   const std::string lower = quantity + "_min", upper = quantity + "_max", up_to = common::toText(most) + unit;
-  require(min >= 0 && min < most, lower.c_str(), min, "0 .. below " + up_to);
-  require(max > min && max <= most, upper.c_str(), max,
+  require(min >= 0 && min < most, lower, min, "0 .. below " + up_to);
+  require(max > min && max <= most, upper, max,
           "above " + lower + " (" + common::toText(min) + unit + "), up to " + up_to);
 }
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::planning {
 
@@ -14,9 +14,7 @@ using Event = SwitchEvent;
 using Outcome = SwitchOutcome;
 using State = SwitchState;
 
-void require(const char* name, double value, double low, double high) {
-  common::requireWithin("switch protocol", name, value, low, high);
-}
+const common::Require require("switch protocol");
 
 /// Why the link cannot carry a pulse now, one entry for each reason.
 std::vector<std::string> linkTroubles(const SwitchSettings& settings, const SwitchView& view) {
@@ -43,12 +41,12 @@ vehicle::Mode seenMode(const SwitchSettings& settings, const SwitchView& view) {
 }  // namespace
 
 void SwitchSettings::validate() const {
-  require("fresh", fresh, 0.05, 5.0);
-  require("accept_timeout", accept_timeout, 0.3, 5.0);
-  require("settle_timeout", settle_timeout, 0.1, 30.0);
-  require("settle_hold", settle_hold, 0.0, 5.0);
-  require("attempts", attempts, 1, 5);
-  require("command_life", command_life, 0.01, accept_timeout);
+  require.within("fresh", fresh, 0.05, 5.0);
+  require.within("accept_timeout", accept_timeout, 0.3, 5.0);
+  require.within("settle_timeout", settle_timeout, 0.1, 30.0);
+  require.within("settle_hold", settle_hold, 0.0, 5.0);
+  require.within("attempts", attempts, 1, 5);
+  require.within("command_life", command_life, 0.01, accept_timeout);
 }
 
 const std::vector<SwitchRow>& SwitchProtocol::table() {
@@ -107,7 +105,7 @@ SwitchProtocol::SwitchProtocol(const SwitchSettings& settings, vehicle::Mode tar
     : settings_(settings), target_(target), duration_(duration), id_(first_id) {
   settings_.validate();
   vehicle::otherMode(target_);  // throws for UNKNOWN
-  require("duration", duration, 0.0, 60.0);
+  require.within("duration", duration, 0.0, 60.0);
 }
 
 SwitchEvent SwitchProtocol::eventOf(const SwitchView& view) {

@@ -7,14 +7,13 @@
 
 #include "ensemble_run.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::rom {
 
 namespace {
 
-void require(bool good, const std::string& name, double value, const char* allowed) {
-  if (!good) throw common::Error("ensemble: " + name + " is " + std::to_string(value) + "; allowed: " + allowed);
-}
+const common::Require require("ensemble");
 
 }  // namespace
 

@@ -27,23 +27,23 @@ LoadedBasins::LoadedBasins(const Potential& potential, const TravelInertia* move
   falling_ = scan(equilibria_.barrier, equilibria_.second);
 }
 
-PotentialSample LoadedBasins::sample(double travel, double felt) const {
+PotentialSample LoadedBasins::sample(double travel, double specific_force) const {
   PotentialSample s = potential_.at(travel);
   if (moved_) {
     const InertiaSample w = moved_->at(travel);
-    s.energy += felt * w.mass_moment;
-    s.force += felt * w.coupled_mass;
-    s.stiffness += felt * w.coupled_slope;
+    s.energy += specific_force * w.mass_moment;
+    s.force += specific_force * w.coupled_mass;
+    s.stiffness += specific_force * w.coupled_slope;
   }
   return s;
 }
 
 // Zero of force - load between two travels where it has opposite signs: Newton kept inside the bracket.
 double LoadedBasins::solveForce(const RelativeLoad& load, double low, double high, double guess) const {
-  const bool rising = sample(low, load.felt).force < load.force;
+  const bool rising = sample(low, load.specific_force).force < load.force;
   double u = guess > low && guess < high ? guess : 0.5 * (low + high);
   for (int i = 0; i < 80; ++i) {
-    const PotentialSample here = sample(u, load.felt);
+    const PotentialSample here = sample(u, load.specific_force);
     if ((here.force < load.force) == rising) {
       low = u;
     } else {
@@ -57,53 +57,53 @@ double LoadedBasins::solveForce(const RelativeLoad& load, double low, double hig
   return u;
 }
 
-double LoadedBasins::extremum(const std::vector<Point>& points, double felt, bool largest) const {
+double LoadedBasins::extremum(const std::vector<Point>& points, double specific_force, bool largest) const {
   const double sign = largest ? 1.0 : -1.0;
   int best = 0;
   double value = -INFINITY;
   for (int i = 0; i < POINTS; ++i) {
-    const double force = sign * (points[i].force + felt * points[i].coupled_mass);
+    const double force = sign * (points[i].force + specific_force * points[i].coupled_mass);
     if (force > value) {
       value = force;
       best = i;
     }
   }
   if (best == 0 || best == POINTS - 1) return points[best].travel;
-  const auto at = [&](int i) { return points[i].force + felt * points[i].coupled_mass; };
+  const auto at = [&](int i) { return points[i].force + specific_force * points[i].coupled_mass; };
   const double left = at(best - 1), middle = at(best), right = at(best + 1);
   const double bend = left - 2 * middle + right;
   const double shift = bend != 0 ? std::clamp(0.5 * (left - right) / bend, -1.0, 1.0) : 0.0;
   return points[best].travel + shift * (points[1].travel - points[0].travel);
 }
 
-LoadedBasins::Branch LoadedBasins::branch(double felt) const {
+LoadedBasins::Branch LoadedBasins::branch(double specific_force) const {
   const Equilibria& e = equilibria_;
-  if (!moved_ || felt == 0) return {e.peak_travel, e.peak_force, e.valley_travel, e.valley_force};
+  if (!moved_ || specific_force == 0) return {e.peak_travel, e.peak_force, e.valley_travel, e.valley_force};
   Branch b;
-  b.peak_travel = extremum(rising_, felt, true);
-  b.valley_travel = extremum(falling_, felt, false);
-  b.peak_force = sample(b.peak_travel, felt).force;
-  b.valley_force = sample(b.valley_travel, felt).force;
+  b.peak_travel = extremum(rising_, specific_force, true);
+  b.valley_travel = extremum(falling_, specific_force, false);
+  b.peak_force = sample(b.peak_travel, specific_force).force;
+  b.valley_force = sample(b.valley_travel, specific_force).force;
   return b;
 }
 
-double LoadedBasins::limit(vehicle::Mode mode, double felt) const {
-  const Branch b = branch(felt);
+double LoadedBasins::limit(vehicle::Mode mode, double specific_force) const {
+  const Branch b = branch(specific_force);
   return mode == vehicle::Mode::FIXED_WING ? b.peak_force : b.valley_force;
 }
 
 bool LoadedBasins::equilibrium(vehicle::Mode mode, const RelativeLoad& load, double* travel) const {
-  const Branch b = branch(load.felt);
+  const Branch b = branch(load.specific_force);
   if (mode == vehicle::Mode::FIXED_WING) {
     if (load.force >= b.peak_force) return false;
     double low = std::min(equilibria_.first, b.peak_travel), reach = 1e-3;
-    while (sample(low, load.felt).force > load.force) low -= (reach *= 2);
+    while (sample(low, load.specific_force).force > load.force) low -= (reach *= 2);
     *travel = solveForce(load, low, b.peak_travel, NAN);
     return true;
   }
   if (load.force <= b.valley_force) return false;
   double high = std::max(equilibria_.second, b.valley_travel), reach = 1e-3;
-  while (sample(high, load.felt).force < load.force) high += (reach *= 2);
+  while (sample(high, load.specific_force).force < load.force) high += (reach *= 2);
   *travel = solveForce(load, b.valley_travel, high, NAN);
   return true;
 }
@@ -115,7 +115,7 @@ vehicle::Mode LoadedBarrier::sideOf(double u) const {
 }
 
 LoadedBarrier LoadedBasins::barrierUnder(const RelativeLoad& load, double guess) const {
-  const Branch b = branch(load.felt);
+  const Branch b = branch(load.specific_force);
   LoadedBarrier barrier;
   barrier.peak = b.peak_travel;
   barrier.valley = b.valley_travel;
@@ -133,7 +133,7 @@ LoadedBarrier LoadedBasins::barrierUnder(const RelativeLoad& load, double guess)
 }
 
 double LoadedBasins::loadedEnergy(double travel, const RelativeLoad& load) const {
-  return sample(travel, load.felt).energy - load.force * travel;
+  return sample(travel, load.specific_force).energy - load.force * travel;
 }
 
 double LoadedBasins::clearance(vehicle::Mode mode, double travel, double kinetic, const RelativeLoad& load) const {

@@ -7,37 +7,28 @@
 #include "margin_watch.h"
 #include "resistance.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::rom {
 
 namespace {
 
-void require(bool good, const std::string& name, double value, const char* allowed) {
-  if (!good) throw common::Error("lumped model: " + name + " is " + std::to_string(value) + "; allowed: " + allowed);
-}
-
-void requirePositive(const char* name, double value) {
-  require(value > 0 && std::isfinite(value), name, value, "above 0");
-}
-
-void requireNotNegative(const char* name, double value) {
-  require(value >= 0 && std::isfinite(value), name, value, "0 or more");
-}
+const common::Require require("lumped model");
 
 void validate(const vehicle::VehicleParameters& p) {
-  requirePositive("ring_mass", p.ring_mass);
-  requirePositive("centre_mass", p.centre_mass);
-  requirePositive("max_thrust", p.max_thrust);
-  requirePositive("time_constant_up", p.time_constant_up);
-  requirePositive("time_constant_down", p.time_constant_down);
+  require.positive("ring_mass", p.ring_mass);
+  require.positive("centre_mass", p.centre_mass);
+  require.positive("max_thrust", p.max_thrust);
+  require.positive("time_constant_up", p.time_constant_up);
+  require.positive("time_constant_down", p.time_constant_down);
   require(p.quadratic_share >= 0 && p.quadratic_share <= 1, "quadratic_share", p.quadratic_share, "0 .. 1");
-  requireNotNegative("damping", p.damping);
-  requireNotNegative("latency", p.latency);
-  requireNotNegative("ring_drag", p.ring_drag);
-  requireNotNegative("centre_drag", p.centre_drag);
-  requireNotNegative("boom_mass", p.boom_mass);
-  requireNotNegative("boom_drag", p.boom_drag);
-  requireNotNegative("boom_friction", p.boom_friction);
+  require.notNegative("damping", p.damping);
+  require.notNegative("latency", p.latency);
+  require.notNegative("ring_drag", p.ring_drag);
+  require.notNegative("centre_drag", p.centre_drag);
+  require.notNegative("boom_mass", p.boom_mass);
+  require.notNegative("boom_drag", p.boom_drag);
+  require.notNegative("boom_friction", p.boom_friction);
 }
 
 }  // namespace
@@ -137,9 +128,11 @@ double LumpedModel::centreSpecificForce(const LumpedState& state, const vehicle:
   const RelativeLoad load = relativeLoad(state, trial);
   const double rub = coulomb(s.friction, w, settings_.friction_speed).force;
   const double relative =
-      (load.force - load.felt * s.coupled_mass - arms - rub - 0.5 * inertia.mass_slope * w * w) / inertia.mass;
+      (load.force - load.specific_force * s.coupled_mass - arms - rub - 0.5 * inertia.mass_slope * w * w) /
+      inertia.mass;
   if (held) return trial.gravity - relative;
-  const double ring = load.felt + (inertia.lag * relative - s.coupled_slope * w * w) / all;  // its own specific force
+  const double ring =
+      load.specific_force + (inertia.lag * relative - s.coupled_slope * w * w) / all;  // its own specific force
   return ring - relative;
 }
 

@@ -95,7 +95,7 @@ void MarginWatch::add(const LumpedState& next) {
   const StepCubic cubic(last_, next);
   const auto load_at = [&](double s) {
     return RelativeLoad{last_load_.force + s * (load.force - last_load_.force),
-                        last_load_.felt + s * (load.felt - last_load_.felt)};
+                        last_load_.specific_force + s * (load.specific_force - last_load_.specific_force)};
   };
   if ((last_.travel < equilibria_.barrier) != (next.travel < equilibria_.barrier)) {
     const double s = bisectShare([&](double share) { return cubic.travel(share) - equilibria_.barrier; });

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::rom {
 
@@ -24,9 +25,7 @@ std::vector<double> monotoneSlopes(const std::vector<double>& x, const std::vect
   return slope;  // 0 at both ends, where the constant goes on
 }
 
-void requireScale(bool good, const char* name, double value, const char* allowed) {
-  if (!good) throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);
-}
+const common::Require require;
 
 }  // namespace
 
@@ -140,9 +139,8 @@ TravelInertia::TravelInertia(const vehicle::WingTable& table, double inertia_sca
 }
 
 TravelInertia TravelInertia::scaled(double inertia_scale, double friction_scale) const {
-  requireScale(inertia_scale > 0 && std::isfinite(inertia_scale), "wing inertia scale", inertia_scale, "above 0");
-  requireScale(friction_scale >= 0 && std::isfinite(friction_scale), "wing friction scale", friction_scale,
-               "0 or more");
+  require(inertia_scale > 0 && std::isfinite(inertia_scale), "wing inertia scale", inertia_scale, "above 0");
+  require(friction_scale >= 0 && std::isfinite(friction_scale), "wing friction scale", friction_scale, "0 or more");
   TravelInertia other = *this;
   for (Part& part : other.parts_) {
     part.inertia_scale = inertia_scale;

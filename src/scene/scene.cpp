@@ -190,7 +190,7 @@ void readNumerics(SettingsReader& r, Scene& scene, const Reading& in) {
   scene.cell_size = in.positive(r, "cell_size");
   scene.particles = r.integerOr("particles", scene.dimension == 2 ? 4 : 3, 1, 16);
   scene.smallest_fraction = r.numberOr("smallest_fraction", 0.02, {0, 0.9}, "1");
-  scene.drive = solver::driveFromName(
+  scene.enforcement = solver::enforcementFromName(
       r.has("drive") ? r.choice("drive", {"elimination", "augmented_lagrangian", "multipliers"}) : "elimination");
   scene.copies = r.integerOr("copies", 1, 1, 1000);
   if (r.has("use_symmetry")) {

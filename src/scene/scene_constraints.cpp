@@ -68,7 +68,7 @@ std::vector<solver::Equation> Constraints<D>::equations() const {
   const auto markKeepable = [&] {
     for (; held < list.size(); ++held) list[held].keepable = true;
   };
-  for (const ScenePort& port : scene_.ports) drive(port, list);
+  for (const ScenePort& port : scene_.ports) prescribe(port, list);
   markKeepable();
   for (const ScenePin& pin : scene_.pins) addPin(pin, list);
   held = list.size();
@@ -190,7 +190,7 @@ void Constraints<D>::moveRigidly(const RigidGroup& group, std::vector<solver::Eq
 
 template <int D>
 solver::SplitEquations Constraints<D>::split(const std::vector<solver::Equation>& list) const {
-  return solver::splitEquations(dofCount(), 1, list, scene_.drive != solver::Drive::ELIMINATION, keptFrom(),
+  return solver::splitEquations(dofCount(), 1, list, scene_.enforcement != solver::Enforcement::ELIMINATION, keptFrom(),
                                 static_cast<int>(groups_.size()), D * D);
 }
 
@@ -272,7 +272,7 @@ void Constraints<D>::hold(const SceneSupport& support, bool required, std::vecto
 }
 
 template <int D>
-void Constraints<D>::drive(const ScenePort& port, std::vector<solver::Equation>& list) const {
+void Constraints<D>::prescribe(const ScenePort& port, std::vector<solver::Equation>& list) const {
   const std::vector<Weights> all = scene_.bodies[port.body].hasCells()
                                        ? requireGroups(port.body, port.region, port.name)
                                        : std::vector<Weights>{pointWeights(port.body, port.at.head<D>())};
@@ -383,8 +383,8 @@ Point3 Constraints<D>::inSecond(const SceneJoint& joint, const Point3& x) const 
 
 /// Displacements are in the axes of each body; the equations are in those of the first.
 template <int D>
-void Constraints<D>::tie(const SceneJoint& joint, const Weights& first, const Weights& second,
-                         std::vector<solver::Equation>& list) const {
+void Constraints<D>::join(const SceneJoint& joint, const Weights& first, const Weights& second,
+                          std::vector<solver::Equation>& list) const {
   const Frame &one = scene_.bodies[joint.first].frame, &other = scene_.bodies[joint.second].frame;
   const bool turned = one.rotation != other.rotation;
   const Eigen::Matrix3d turn = one.rotation.transpose() * other.rotation;
@@ -417,7 +417,7 @@ void Constraints<D>::tieSegment(const SceneJoint& joint, std::vector<solver::Equ
                             std::to_string(x(0)) + ", " + std::to_string(x(1)) + ", " + std::to_string(x(2)) + ") m");
       }
     }
-    tie(joint, at[0], at[1], list);
+    join(joint, at[0], at[1], list);
   }
 }
 
@@ -455,7 +455,7 @@ void Constraints<D>::tieFace(const SceneJoint& joint, std::vector<solver::Equati
     own.head<D>() = x;
     const Weights first = solid_.interpolate(joint.first, x),
                   second = pointWeights(joint.second, inSecond(joint, own).template head<D>());
-    if (!first.empty() && !second.empty()) tie(joint, first, second, list);
+    if (!first.empty() && !second.empty()) join(joint, first, second, list);
   }
   if (list.size() == before) {
     throw common::Error("'" + joint.name + "' meets no place where both '" + scene_.bodies[joint.first].name +
@@ -487,7 +487,7 @@ void Constraints<D>::addJoint(const SceneJoint& joint, std::vector<solver::Equat
                         "': the joined bodies must have the same thickness there; or give the "
                         "joint as a segment, from and to");
   }
-  for (std::size_t k = 0; k < first.size(); ++k) tie(joint, first[k], second[k], list);
+  for (std::size_t k = 0; k < first.size(); ++k) join(joint, first[k], second[k], list);
 }
 
 template class Constraints<2>;

@@ -68,15 +68,15 @@ class Constraints {
   std::vector<Weights> regionGroups(int body, const Box& region) const;
   std::vector<Weights> requireGroups(int body, const Box& region, const std::string& name) const;
   void hold(const SceneSupport& support, bool required, std::vector<solver::Equation>& list) const;
-  void drive(const ScenePort& port, std::vector<solver::Equation>& list) const;
+  void prescribe(const ScenePort& port, std::vector<solver::Equation>& list) const;
   /// Displacements of an axle along z, one per layer of nodes. @param heights  their z [m]; of a body without cells
   /// those that are wanted, or two if there are none
   std::vector<Weights> axleLines(int body, double x, double y, const std::string& name,
                                  std::vector<double>& heights) const;
   Weights sectionMean(const ScenePin& pin) const;
   void addPin(const ScenePin& pin, std::vector<solver::Equation>& list) const;
-  void tie(const SceneJoint& joint, const Weights& first, const Weights& second,
-           std::vector<solver::Equation>& list) const;
+  void join(const SceneJoint& joint, const Weights& first, const Weights& second,
+            std::vector<solver::Equation>& list) const;
   /// A place of the first body of a joint in the coordinates of the second.
   Point3 inSecond(const SceneJoint& joint, const Point3& x) const;
   void tieSegment(const SceneJoint& joint, std::vector<solver::Equation>& list) const;

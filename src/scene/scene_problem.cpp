@@ -151,8 +151,8 @@ class CompiledSceneOf : public CompiledScene {
     constexpr double PENALTY = 100, GAP = 1e-10;  // of the mean stiffness of a node, of a cell
     constexpr double CURVED = 1;     // in the place of PENALTY: a steep valley that bends takes small steps
     constexpr double TRAVEL = 0.01;  // cells
-    const solver::Drive enforcement =
-        scene_.drive == solver::Drive::ELIMINATION ? solver::Drive::MULTIPLIERS : scene_.drive;
+    const solver::Enforcement enforcement =
+        scene_.enforcement == solver::Enforcement::ELIMINATION ? solver::Enforcement::MULTIPLIERS : scene_.enforcement;
     const auto deforms = [](const SceneBody& b) { return !b.rigid; };
     // Against weight alone, where nothing deforms, steepness is what holds the joints.
     const bool curved =

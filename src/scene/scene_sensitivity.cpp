@@ -20,7 +20,7 @@ SceneSensitivityOf<D>::SceneSensitivityOf(SensitivityParts<D> parts, const solve
   if (constraints != nullptr) driven = constraints->control().col(0);
   system_.solve(-load, driven, slope_, multiplier_slope_);
   if (constraints == nullptr) return;
-  force_ = x_.multipliers + constraints->penalty() * x_.at.gap;
+  force_ = x_.multipliers + constraints->penalty() * x_.at.constraint_residual;
   moveJoints();
 }
 

@@ -16,11 +16,11 @@ ConstraintTerm::ConstraintTerm(std::shared_ptr<const Constraints> constraints) :
 void ConstraintTerm::evaluate(const Point& at, Order order, Sum& sum) const {
   const Constraints& c = *constraints_;
   const double rho = c.penalty();
-  const Eigen::VectorXd gap = c.residual(at.y, at.p);
-  Eigen::VectorXd force = rho * gap;
-  sum.energy += 0.5 * rho * gap.squaredNorm();
+  const Eigen::VectorXd residual = c.residual(at.y, at.p);
+  Eigen::VectorXd force = rho * residual;
+  sum.energy += 0.5 * rho * residual.squaredNorm();
   if (at.multipliers != nullptr) {
-    sum.energy += at.multipliers->dot(gap);
+    sum.energy += at.multipliers->dot(residual);
     force += *at.multipliers;
   }
   if (order == Order::ENERGY) return;

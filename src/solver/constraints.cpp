@@ -86,14 +86,14 @@ LinearRows LinearRows::onFree(const Reduction& reduction) const {
   return result;
 }
 
-Constraints::Constraints(LinearRows rows, Drive enforcement, double penalty, double tolerance, int redundant)
+Constraints::Constraints(LinearRows rows, Enforcement enforcement, double penalty, double tolerance, int redundant)
     : rows_(std::move(rows)),
       enforcement_(enforcement),
       penalty_(penalty),
       tolerance_(tolerance),
       redundant_(redundant) {
-  const bool augmented = enforcement == Drive::AUGMENTED_LAGRANGIAN;
-  if (enforcement == Drive::ELIMINATION) {
+  const bool augmented = enforcement == Enforcement::AUGMENTED_LAGRANGIAN;
+  if (enforcement == Enforcement::ELIMINATION) {
     throw common::Error("constraints: enforcement is 'elimination'; allowed: augmented_lagrangian, multipliers");
   }
   if (!(penalty >= 0 && std::isfinite(penalty)) || (augmented && penalty == 0) || !(tolerance > 0)) {

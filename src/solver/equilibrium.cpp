@@ -106,7 +106,7 @@ void EquilibriumSolver::evaluate(const Equilibrium& x, Order order, Evaluation& 
 }
 
 bool EquilibriumSolver::closed(const Equilibrium& x) const {
-  return constraints_ == nullptr || x.at.gap.cwiseAbs().maxCoeff() <= constraints_->tolerance();
+  return constraints_ == nullptr || x.at.constraint_residual.cwiseAbs().maxCoeff() <= constraints_->tolerance();
 }
 
 bool EquilibriumSolver::balanced(const Equilibrium& x) const {
@@ -114,7 +114,7 @@ bool EquilibriumSolver::balanced(const Equilibrium& x) const {
 }
 
 NewtonResult EquilibriumSolver::minimise(Equilibrium& x) {
-  if (constraints_ != nullptr) return constraints_->enforcement() == Drive::MULTIPLIERS ? saddle(x) : augment(x);
+  if (constraints_ != nullptr) return constraints_->enforcement() == Enforcement::MULTIPLIERS ? saddle(x) : augment(x);
   const NewtonResult result = newton_.solve(controls(x.p(0)), x.z, x.at);
   alongLine(x.at);
   return result;
@@ -128,7 +128,8 @@ void EquilibriumSolver::estimateMultipliers(Equilibrium& x) {
   evaluate(x, Order::TANGENT, x.at);
   if (!x.at.finite) return;
   // Without the penalty's force: open constraints say nothing of what holds them.
-  const Eigen::VectorXd force = x.at.residual - x.at.rows->transpose() * (constraints_->penalty() * x.at.gap);
+  const Eigen::VectorXd force =
+      x.at.residual - x.at.rows->transpose() * (constraints_->penalty() * x.at.constraint_residual);
   const ConstraintRows across = x.at.rows->transpose();
   Eigen::MatrixXd gram(*x.at.rows * across);
   gram.diagonal().array() += ROUNDING * gram.diagonal().maxCoeff();
@@ -150,10 +151,10 @@ NewtonResult EquilibriumSolver::augment(Equilibrium& x) {
     total.residual = inner.residual;
     if (!inner.converged()) return finish(total, inner.status, inner.message);
     if (closed(x)) return finish(total, SolveStatus::CONVERGED, "");
-    x.multipliers += constraints_->penalty() * x.at.gap;
+    x.multipliers += constraints_->penalty() * x.at.constraint_residual;
   }
   std::ostringstream text;
-  text << "ports and joints are open by " << x.at.gap.cwiseAbs().maxCoeff() << " m after " << most
+  text << "ports and joints are open by " << x.at.constraint_residual.cwiseAbs().maxCoeff() << " m after " << most
        << " updates of the multipliers";
   return finish(total, SolveStatus::ITERATION_LIMIT, text.str());
 }
@@ -176,7 +177,7 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
            factorizeShifted(system_, problem_.pattern(), trial_, result);
   }
   if (!good) return false;
-  system_.solve(-x.at.residual, -x.at.gap, dz, dl);
+  system_.solve(-x.at.residual, -x.at.constraint_residual, dz, dl);
   ++result.iterations;
   return dz.allFinite() && dl.allFinite();
 }
@@ -267,7 +268,7 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
     result.residual = x.at.residual.norm();
     const double gap_on_plane =
         plane.distance - plane.normal.dot(x.z - plane.origin) - plane.control_normal * (x.p(0) - plane.control);
-    result.factorizations += settle(x);
+    result.factorizations += linearise(x);
     if (x.negative_pivots < 0) {
       const std::string dead = system_.deadPoint();
       return finish(result, SolveStatus::SINGULAR, dead.empty() ? "the Hessian is singular to rounding" : dead);
@@ -279,7 +280,8 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
     if (iteration == CORRECTOR_ITERATIONS) break;
     if (settings_.cancelled && settings_.cancelled()) return finish(result, SolveStatus::CANCELLED, "cancelled");
     ++result.iterations;
-    system_.solve(-x.at.residual, constraints_ ? Eigen::VectorXd(-x.at.gap) : Eigen::VectorXd(), a, a_multipliers);
+    system_.solve(-x.at.residual, constraints_ ? Eigen::VectorXd(-x.at.constraint_residual) : Eigen::VectorXd(), a,
+                  a_multipliers);
     const double dp = (gap_on_plane - plane.normal.dot(a)) / (plane.normal.dot(x.slope) + plane.control_normal);
     if (!std::isfinite(dp) || !a.allFinite()) break;
     x.z += a + dp * x.slope;
@@ -289,7 +291,7 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
   return exhausted(result.residual, result);
 }
 
-int EquilibriumSolver::settle(Equilibrium& x) {
+int EquilibriumSolver::linearise(Equilibrium& x) {
   Eigen::VectorXd control_part;
   const Eigen::VectorXd along = driven();
   problem_.controlTangent(x.at, along, x.load, control_part);
@@ -311,16 +313,16 @@ int EquilibriumSolver::settle(Equilibrium& x) {
   return 1;
 }
 
-int EquilibriumSolver::settleNear(Equilibrium& x) {
+int EquilibriumSolver::lineariseNear(Equilibrium& x) {
   constexpr double NEAR = 1e-2;
   const Cholesky& cholesky = newton_.cholesky();
-  if (constraints_ != nullptr || !(cholesky.distance(x.at.hessian) < NEAR)) return settle(x);
+  if (constraints_ != nullptr || !(cholesky.distance(x.at.hessian) < NEAR)) return linearise(x);
   Eigen::VectorXd control_part;
   const Eigen::VectorXd along = driven();
   problem_.controlTangent(x.at, along, x.load, control_part);
   const CgResult cg =
       conjugateGradients(problem_.pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
-  if (!cg.converged) return settle(x);
+  if (!cg.converged) return linearise(x);
   x.multiplier_slope.resize(0);
   x.control_curvature = along.dot(control_part);
   x.negative_pivots = 0;

@@ -35,7 +35,7 @@ void check(const ConstraintRows& H, int dofs, std::size_t names, const JointSett
   if (!(s.stiffness > 0) || s.max_iterations < 1) {
     throw common::Error("joint equilibrium: stiffness must be above 0 and max_iterations at least 1");
   }
-  if (s.drive == Drive::ELIMINATION) {
+  if (s.enforcement == Enforcement::ELIMINATION) {
     throw common::Error("joint equilibrium: drive is 'elimination'; allowed: augmented_lagrangian, multipliers");
   }
 }
@@ -56,7 +56,7 @@ JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<
                     settings.force_tolerance);
   parts.terms.push_back(load_);
   parts.energy_floor = settings.energy_floor;
-  parts.constraints = std::make_shared<const Constraints>(rowsOf(std::move(H), names_), settings.drive,
+  parts.constraints = std::make_shared<const Constraints>(rowsOf(std::move(H), names_), settings.enforcement,
                                                           settings.stiffness, settings.gap_tolerance);
   problem_ = std::make_shared<const TermProblem>(std::move(parts));
   NewtonSettings newton;
@@ -92,7 +92,7 @@ JointResult JointEquilibrium<D>::solve(const VectorXd& f, const VectorXd& h, con
   Equilibrium x = solver_->start(guess, 0);
   const NewtonResult newton = solver_->minimise(x);
   result.status = newton.converged() ? JointStatus::CONVERGED : JointStatus::NOT_CONVERGED;
-  result.gap = x.at.gap.cwiseAbs().maxCoeff();
+  result.constraint_residual = x.at.constraint_residual.cwiseAbs().maxCoeff();
   result.residual = newton.residual;
   result.iterations = newton.iterations;
   result.stable = newton.converged() && solver_->system().factorize(x.at) == 0;

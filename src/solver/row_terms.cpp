@@ -5,19 +5,13 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::solver {
 
 namespace {
 
-void require(bool good, const std::string& term, const std::string& what, double value, const std::string& allowed) {
-  if (good) return;
-  throw common::Error("term '" + term + "': " + what + " is " + common::toText(value) + "; allowed: " + allowed);
-}
-
-void requireNotNegative(const std::string& term, const std::string& what, double value) {
-  require(std::isfinite(value) && value >= 0, term, what, value, ">= 0");
-}
+common::Require requireOf(const std::string& term) { return common::Require("term '" + term + "'"); }
 
 }  // namespace
 
@@ -48,7 +42,7 @@ void RowTerm::add(const Point& at, double energy, double slope, double curvature
 
 RowInertia::RowInertia(std::string name, Row row, double mass)
     : RowTerm(std::move(name), Role::INERTIA, std::move(row)), mass_(mass) {
-  requireNotNegative(name_, "mass", mass);
+  requireOf(name_).notNegative("mass", mass);
 }
 
 void RowInertia::evaluate(const Point& at, Order order, Sum& sum) const {
@@ -60,7 +54,7 @@ void RowInertia::evaluate(const Point& at, Order order, Sum& sum) const {
 
 RowSpring::RowSpring(std::string name, Row row, double stiffness)
     : RowTerm(std::move(name), Role::STORED, std::move(row)), stiffness_(stiffness) {
-  requireNotNegative(name_, "stiffness", stiffness);
+  requireOf(name_).notNegative("stiffness", stiffness);
 }
 
 void RowSpring::evaluate(const Point& at, Order order, Sum& sum) const {
@@ -70,7 +64,7 @@ void RowSpring::evaluate(const Point& at, Order order, Sum& sum) const {
 
 RowDamper::RowDamper(std::string name, Row row, double damping)
     : RowTerm(std::move(name), Role::DISSIPATION, std::move(row)), damping_(damping) {
-  requireNotNegative(name_, "damping", damping);
+  requireOf(name_).notNegative("damping", damping);
 }
 
 void RowDamper::evaluate(const Point& at, Order order, Sum& sum) const {
@@ -81,8 +75,8 @@ void RowDamper::evaluate(const Point& at, Order order, Sum& sum) const {
 
 RowDrag::RowDrag(std::string name, Row row, double coefficient, double wind)
     : RowTerm(std::move(name), Role::DISSIPATION, std::move(row)), coefficient_(coefficient), wind_(wind) {
-  requireNotNegative(name_, "coefficient", coefficient);
-  require(std::isfinite(wind), name_, "wind", wind, "finite");
+  requireOf(name_).notNegative("coefficient", coefficient);
+  requireOf(name_)(std::isfinite(wind), "wind", wind, "finite");
 }
 
 void RowDrag::evaluate(const Point& at, Order order, Sum& sum) const {
@@ -93,8 +87,8 @@ void RowDrag::evaluate(const Point& at, Order order, Sum& sum) const {
 
 RowFriction::RowFriction(std::string name, Row row, double force, double speed)
     : RowTerm(std::move(name), Role::DISSIPATION, std::move(row)), force_(force), speed_(speed) {
-  requireNotNegative(name_, "force", force);
-  require(speed > 0 && std::isfinite(speed), name_, "speed", speed, "> 0");
+  requireOf(name_).notNegative("force", force);
+  requireOf(name_)(speed > 0 && std::isfinite(speed), "speed", speed, "> 0");
 }
 
 void RowFriction::evaluate(const Point& at, Order order, Sum& sum) const {
@@ -105,8 +99,8 @@ void RowFriction::evaluate(const Point& at, Order order, Sum& sum) const {
 
 RowStop::RowStop(std::string name, Row row, double gap, double stiffness)
     : RowTerm(std::move(name), Role::STORED, std::move(row)), gap_(gap), stiffness_(stiffness) {
-  require(std::isfinite(gap), name_, "gap", gap, "finite");
-  require(stiffness > 0 && std::isfinite(stiffness), name_, "stiffness", stiffness, "> 0");
+  requireOf(name_)(std::isfinite(gap), "gap", gap, "finite");
+  requireOf(name_)(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0");
 }
 
 void RowStop::evaluate(const Point& at, Order order, Sum& sum) const {
@@ -117,9 +111,9 @@ void RowStop::evaluate(const Point& at, Order order, Sum& sum) const {
 
 RowStopLoss::RowStopLoss(std::string name, Row row, double gap, double stiffness, double mass, double restitution)
     : RowTerm(std::move(name), Role::DISSIPATION, std::move(row)), gap_(gap) {
-  require(restitution > 0 && restitution <= 1, name_, "restitution", restitution, "(0, 1]");
-  require(mass > 0 && std::isfinite(mass), name_, "mass", mass, "> 0");
-  require(stiffness > 0 && std::isfinite(stiffness), name_, "stiffness", stiffness, "> 0");
+  requireOf(name_)(restitution > 0 && restitution <= 1, "restitution", restitution, "(0, 1]");
+  requireOf(name_)(mass > 0 && std::isfinite(mass), "mass", mass, "> 0");
+  requireOf(name_)(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0");
   const double log = std::log(restitution), pi = std::acos(-1.0);
   damping_ = 2 * (-log / std::hypot(pi, log)) * std::sqrt(stiffness * mass);
 }

@@ -125,7 +125,7 @@ void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
   out.rounding = sum.rounding;
   out.min_det_f = sum.min_det_f;
   out.min_det_f_cell = sum.min_det_f_cell;
-  if (constraints_) out.gap = constraints_->residual(out.place.y, p);
+  if (constraints_) out.constraint_residual = constraints_->residual(out.place.y, p);
   if (order == Order::ENERGY || !out.finite) return;
   const bool mean = context != nullptr && context->mean_with != nullptr;
   out.potential = !mean || coordinates_->rotationCount() == 0;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::standin {
 
@@ -13,10 +14,7 @@ namespace {
 constexpr double REST_SPEED = 0.02;  // [m/s] ring and relative motion count as still below
 constexpr double LOCK_SPEED = 0.01;  // [m/s] the hand holds firmly below
 
-void require(bool good, const char* name, double value, const char* allowed) {
-  if (!good)
-    throw common::Error(std::string("plant: ") + name + " is " + std::to_string(value) + "; allowed: " + allowed);
-}
+const common::Require require("plant");
 }  // namespace
 
 void PlantSettings::validate() const {
@@ -26,7 +24,7 @@ void PlantSettings::validate() const {
   require(hand_share_q > 0 && hand_share_q < 1, "hand_share_q", hand_share_q, "between 0 and 1");
   require(hand_deceleration_f > 0 && std::isfinite(hand_deceleration_f), "hand_deceleration_f", hand_deceleration_f,
           "above 0 m/s2");
-  if (wings.value_or(false) && mount == PlantMount::BOOM) vehicle::refuseWingsOnBoom("plant");
+  if (wings.value_or(false) && mount == vehicle::Mount::BOOM) vehicle::refuseWingsOnBoom("plant");
 }
 
 double PlantState::thrust() const { return std::accumulate(rotor_thrust.begin(), rotor_thrust.end(), 0.0); }
@@ -45,7 +43,7 @@ Plant::Plant(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
   require(vehicle.rotors.count >= 1, "rotors", vehicle.rotors.count, "1 or more");
   require(p.wing_inertia > 0 && std::isfinite(p.wing_inertia), "wing_inertia", p.wing_inertia, "above 0");
   require(p.wing_friction >= 0 && std::isfinite(p.wing_friction), "wing_friction", p.wing_friction, "0 or more");
-  if (settings_.wings.value_or(wing && settings_.mount != PlantMount::BOOM)) {
+  if (settings_.wings.value_or(wing && settings_.mount != vehicle::Mount::BOOM)) {
     if (!wing) throw common::Error("plant: wings are on, but there is no table of them");
     wing->validate();
     if (wing->kinetic_mass.empty() || wing->coupled_mass.empty() || wing->friction_force.empty()) {
@@ -55,7 +53,7 @@ Plant::Plant(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
   }
   travel_min_ = vehicle.limits.travel_min;
   travel_max_ = vehicle.limits.travel_max;
-  const bool boom = settings_.mount == PlantMount::BOOM;
+  const bool boom = settings_.mount == vehicle::Mount::BOOM;
   if (boom) vehicle.requireBoom("the simulation");
   ring_mass_ = p.ring_mass + (boom ? p.boom_mass : 0.0);
   ring_drag_ = p.ring_drag + (boom ? p.boom_drag : 0.0);

@@ -21,7 +21,7 @@ void put(BytesWriter& writer, const PathResult& run) {
   for (const PathPoint& p : run.points) {
     for (const double value :
          {p.control, p.energy, p.force, p.stiffness, p.min_det_f, 1.0 * p.stable, 1.0 * p.negative_pivots,
-          1.0 * p.iterations, 1.0 * p.factorizations, 1.0 * p.by_arc, 1.0 * p.anchor}) {
+          1.0 * p.iterations, 1.0 * p.factorizations, 1.0 * p.by_arc, 1.0 * p.restart}) {
       writer.number(value);
     }
     put(writer, p.solution);
@@ -46,7 +46,7 @@ PathResult runFrom(BytesReader& reader) {
     run.iterations += p.iterations = reader.integer();
     run.factorizations += p.factorizations = reader.integer();
     p.by_arc = reader.integer() != 0;
-    p.anchor = reader.integer() != 0;
+    p.restart = reader.integer() != 0;
     p.solution = vectorFrom(reader);
     p.slope = vectorFrom(reader);
     p.multipliers = vectorFrom(reader);
@@ -62,8 +62,8 @@ std::string traceHash(const scene::Scene& scene, const std::string& more) {
   text.precision(17);
   text << common::version() << ";" << scene.sha256 << ";" << scene.dimension << ";" << static_cast<int>(scene.plane)
        << ";" << static_cast<int>(scene.kernel) << ";" << scene.cell_size << ";" << scene.particles << ";" << scene.to
-       << ";" << scene.steps << ";" << scene.back << ";" << solver::driveName(scene.drive) << ";" << scene.perturbation
-       << ";" << more;
+       << ";" << scene.steps << ";" << scene.back << ";" << solver::enforcementName(scene.enforcement) << ";"
+       << scene.perturbation << ";" << more;
   for (const scene::SceneBody& body : scene.bodies) {
     for (const double value : body.density.value) text << ";" << value;
   }

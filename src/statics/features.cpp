@@ -82,7 +82,7 @@ class StableInterval {
     solver::Equilibrium x = solver_.start(guess(p), p);
     for (int k = 0; k < LARGEST_COUNT; ++k) {
       if (!solver_.minimise(x).converged()) return false;
-      solver_.settleNear(x);
+      solver_.lineariseNear(x);
       if (x.negative_pivots != 0 || left(x)) return false;
       const double value = zero ? x.force() : x.stiffness;
       double slope = x.stiffness;

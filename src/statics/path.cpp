@@ -84,7 +84,7 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
     result_.factorizations += last.factorizations;
     result_.projections += last.projections;
     if (last.converged()) {
-      result_.factorizations += solver_.settleNear(next);
+      result_.factorizations += solver_.lineariseNear(next);
       if (settings_.refuse_jumps && jumped(next)) {
         last.status = solver::SolveStatus::JUMPED;
         std::ostringstream text;
@@ -114,9 +114,9 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
 }
 
 /// @return false if the caller wants to stop
-bool PathFollower::record(int point, int iterations, int factorizations, bool anchor) {
+bool PathFollower::record(int point, int iterations, int factorizations, bool restart) {
   result_.points.push_back(describePoint(place_, iterations, factorizations, settings_.keep_solutions));
-  result_.points.back().anchor = anchor;
+  result_.points.back().restart = restart;
   if (settings_.recorded) settings_.recorded(result_.points.back());
   if (!settings_.progress || !settings_.progress(point)) return true;
   result_.status = solver::SolveStatus::CANCELLED;
@@ -139,7 +139,7 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::N
   result_.iterations += last.iterations;
   result_.factorizations += last.factorizations + 1;
   if (!last.converged()) return false;
-  solver_.settle(place_);
+  solver_.linearise(place_);
   if (solver_.supported(place_)) return true;
   last.status = solver::SolveStatus::SINGULAR;
   last.message = solver_.system().deadPoint();
@@ -153,7 +153,7 @@ void PathFollower::followTargets(const std::vector<double>& targets, std::size_t
   constexpr std::size_t ANCHOR = 10;
   for (std::size_t k = first; k < targets.size(); ++k) {
     if ((k - first) % ANCHOR == 0) {
-      result_.factorizations += solver_.anchor(place_);
+      result_.factorizations += solver_.restart(place_);
       predictor_.clear();
       predictor_.add(place_.p(0), place_.z, place_.slope);
     }

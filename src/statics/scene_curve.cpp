@@ -102,7 +102,7 @@ class SceneTracer {
                  PathResult& partial, const SceneCurve& sofar) {
     partial = {};
     if (known != nullptr) partial = *known;
-    while (!partial.points.empty() && !partial.points.back().anchor) partial.points.pop_back();
+    while (!partial.points.empty() && !partial.points.back().restart) partial.points.pop_back();
     AutomaticSettings automatic = automaticSettings(partial, sofar);
     if (settings_.method == TraceMethod::ARC_LENGTH) return byArc(start, targets, automatic);
     if (partial.points.empty()) return followAutomatically(problem_, start, targets, automatic);

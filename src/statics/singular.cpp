@@ -45,7 +45,7 @@ End makeEnd(solver::EquilibriumSolver& solver, double s, solver::Equilibrium x) 
   End end;
   end.s = s;
   end.x = std::move(x);
-  solver.settle(end.x);
+  solver.linearise(end.x);
   end.eigenvalue = solver.softestMode(end.x, end.mode);
   return end;
 }

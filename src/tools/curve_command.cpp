@@ -165,7 +165,7 @@ void refuseSceneOptions(const CurveOptions& o) {
                                                 {o.steps > 0, "--steps"},
                                                 {o.arc_length, "--arc-length"},
                                                 {o.no_arc, "--no-arc-length"},
-                                                {!o.drive.empty(), "--drive"},
+                                                {!o.enforcement.empty(), "--drive"},
                                                 {o.reverse, "--reverse"},
                                                 {o.resume, "--resume"},
                                                 {!o.checkpoint.empty(), "--checkpoint"},
@@ -252,7 +252,7 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--steps", options->steps, "Scenes: points of the path")->check(wholeNumber(1, LARGEST_COUNT));
   command->add_flag("--arc-length", options->arc_length, "Scenes: follow the branch by arc length, through snap-back");
   command->add_flag("--no-arc-length", options->no_arc, "Scenes: displacement control alone, jumps included");
-  command->add_option("--drive", options->drive, "Scenes: how ports and joints are imposed")
+  command->add_option("--drive", options->enforcement, "Scenes: how ports and joints are imposed")
       ->check(CLI::IsMember({"elimination", "augmented_lagrangian", "multipliers"}));
   command->add_option("--projection", options->projection, "When element Hessians are made positive")
       ->check(CLI::IsMember({"on_demand", "clamp", "absolute"}))

@@ -12,7 +12,7 @@
 namespace snapwing::tools {
 
 struct CurveOptions {
-  std::string input, output, csv, summary, plot, plane = "stress", kernel, vtu, rung, resolution, drive,
+  std::string input, output, csv, summary, plot, plane = "stress", kernel, vtu, rung, resolution, enforcement,
                                                  projection = "on_demand", trade;
   std::string checkpoint;
   double cell_size = 0, step = 0.001, from = NAN, to = NAN, perturb = 0, error = NAN, seconds = NAN;

@@ -79,7 +79,7 @@ scene::Scene askedScene(const CurveOptions& options, std::optional<scene::TradeR
   if (!options.kernel.empty()) scene.kernel = scene::kernelFromName(options.kernel);
   if (options.particles > 0) scene.particles = options.particles;
   if (options.steps > 0) scene.steps = options.steps;
-  if (!options.drive.empty()) scene.drive = solver::driveFromName(options.drive);
+  if (!options.enforcement.empty()) scene.enforcement = solver::enforcementFromName(options.enforcement);
   if (options.perturb != 0) scene.perturbation = options.perturb;
   return scene;
 }
@@ -88,7 +88,7 @@ void addModel(const scene::Scene& scene, const scene::CompiledScene& compiled, n
   j["scene"] = scene.name;
   j["rung"] = scene.dimension == 2 ? "planar" : "volumetric";
   j["kernel"] = scene::kernelName(scene.kernel);
-  j["drive"] = solver::driveName(scene.drive);
+  j["drive"] = solver::enforcementName(scene.enforcement);
   j["dimension"] = scene.dimension;
   if (scene.dimension == 2) j["plane"] = scene.plane == elasticity::Plane::STRAIN ? "strain" : "stress";
   j["cell_size_m"] = scene.cell_size;

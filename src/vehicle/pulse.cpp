@@ -4,15 +4,12 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::vehicle {
 
 namespace {
-void requireShare(const char* name, double value) {
-  if (!(value >= 0.0 && value <= 1.0)) {
-    throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: 0 .. 1");
-  }
-}
+const common::Require require;
 }  // namespace
 
 common::ThrottleScale throttleScale(const Radio& radio) {
@@ -40,7 +37,7 @@ double motorOutput(const Radio& radio, double throttle) {
 }
 
 double thrustFraction(double quadratic_share, double motor_output) {
-  requireShare("motor output", motor_output);
+  require.within("motor output", motor_output, 0, 1);
   return motor_output * (quadratic_share * motor_output + (1.0 - quadratic_share));
 }
 

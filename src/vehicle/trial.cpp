@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 #include "snapwing/vehicle/vehicle.h"
 #include "snapwing/vehicle/wing_table.h"
 
@@ -46,12 +47,9 @@ std::string wingsName(const std::optional<bool>& wings) {
 }
 
 namespace {
-void require(bool good, const char* name, double value, const char* allowed) {
-  if (!good)
-    throw common::Error(std::string("trial: ") + name + " is " + std::to_string(value) + "; allowed: " + allowed);
-}
+const common::Require require("trial");
 void requireShare(const char* name, const std::optional<double>& share) {
-  if (share) require(*share >= 0.0 && *share <= 1.0, name, *share, "0 .. 1");
+  if (share) require.within(name, *share, 0, 1);
 }
 }  // namespace
 

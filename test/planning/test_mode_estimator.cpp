@@ -73,7 +73,7 @@ TEST_F(EstimatorTest, FollowsBothSwitchesOfVehiclesWithOtherParameters) {
 TEST_F(EstimatorTest, FollowsSwitchesWithWings) {
   const std::optional<vehicle::WingTable> wing = snapwing::testing::exampleTableWing(vehicle_);
   standin::PlantSettings flight;
-  flight.mount = standin::PlantMount::FREE;
+  flight.mount = vehicle::Mount::FREE;
   EstimatorSettings settings;
   settings.mount = vehicle::Mount::FREE;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {

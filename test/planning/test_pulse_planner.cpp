@@ -62,7 +62,7 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   for (const auto& [start, mount] : cases) {
     trial_.mount = mount;
     standin::PlantSettings simulation;
-    if (mount == vehicle::Mount::FREE) simulation.mount = standin::PlantMount::FREE;
+    if (mount == vehicle::Mount::FREE) simulation.mount = vehicle::Mount::FREE;
     const TransitionPlan plan = planner.plan(start, trial_);
     ASSERT_TRUE(plan.accepted) << plan.reason;
     const double idle = vehicle::motorOutput(vehicle_.radio, 0.0);

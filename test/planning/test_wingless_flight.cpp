@@ -44,7 +44,7 @@ Tools lighter() {
 
 standin::PlantSettings free() {
   standin::PlantSettings settings;
-  settings.mount = standin::PlantMount::FREE;
+  settings.mount = vehicle::Mount::FREE;
   settings.wings = false;
   return settings;
 }

@@ -271,16 +271,18 @@ TEST(WingedBasins, LieWhereTheLoadedForceVanishes) {
   const EnergySpline arms(snapwing::testing::exampleTable());
   const TravelInertia moved = *heavyArms() + TravelInertia(snapwing::testing::exampleWing());
   const LoadedBasins basins(arms, &moved);
-  for (const double felt : {-9.81, 0.0, 9.81, 30.0}) {
+  for (const double specific_force : {-9.81, 0.0, 9.81, 30.0}) {
     for (const double force : {-1.0, 0.5, 2.0, 4.0}) {
-      const RelativeLoad load{force, felt};
-      const auto balance = [&](double u) { return arms.at(u).force + felt * moved.at(u).coupled_mass - force; };
+      const RelativeLoad load{force, specific_force};
+      const auto balance = [&](double u) {
+        return arms.at(u).force + specific_force * moved.at(u).coupled_mass - force;
+      };
       const LoadedBarrier barrier = basins.barrierUnder(load);
       double f = 0, q = 0;
       ASSERT_TRUE(basins.equilibrium(vehicle::Mode::QUADROTOR, load, &q));
       EXPECT_NEAR(balance(q), 0.0, 1e-9);
       ASSERT_EQ(basins.equilibrium(vehicle::Mode::FIXED_WING, load, &f), barrier.exists);
-      EXPECT_EQ(force < basins.limit(vehicle::Mode::FIXED_WING, felt), barrier.exists);
+      EXPECT_EQ(force < basins.limit(vehicle::Mode::FIXED_WING, specific_force), barrier.exists);
       if (!barrier.exists) {
         EXPECT_GT(barrier.excess, 0.0);
         continue;

@@ -73,7 +73,7 @@ TEST(Rotation, QuarterTurnAboutZ) {
   EXPECT_LT((r * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-14);
 }
 
-/// A flexible strip, clamped at the left, with a rigid block at its right end: tied at two points, loaded on its far
+/// A flexible strip, clamped at the left, with a rigid block at its right end: joined at two points, loaded on its far
 /// face.
 std::string stripAndBlock(int dimension, const std::string& kernel, const std::string& more) {
   const std::string plane = dimension == 2 ? "plane: strain\n" : "";

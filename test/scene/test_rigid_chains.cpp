@@ -10,12 +10,12 @@
 namespace snapwing::scene {
 namespace {
 
-const std::vector<std::string> DRIVES = {"elimination", "augmented_lagrangian", "multipliers"};
+const std::vector<std::string> ENFORCEMENTS = {"elimination", "augmented_lagrangian", "multipliers"};
 
-std::string header(int dimension, const std::string& drive, double cell) {
+std::string header(int dimension, const std::string& enforcement, double cell) {
   return "scene: chain\nlength_unit: mm\ndimension: " + std::to_string(dimension) +
          (dimension == 2 ? "\nplane: strain\n" : "\n") + "kernel: linear\ncell_size: " + std::to_string(cell) +
-         "\nuse_symmetry: false\ndrive: " + drive + "\n";
+         "\nuse_symmetry: false\ndrive: " + enforcement + "\n";
 }
 std::string rigidBox(const std::string& name, const std::string& x, const std::string& y) {
   return "  " + name + ":\n    material: {rigid: true, mass_density: 2000}\n    thickness: 4\n" +
@@ -23,9 +23,9 @@ std::string rigidBox(const std::string& name, const std::string& x, const std::s
 }
 
 /// Two rods that hang in pins, pulled sideways at the lower end of the second.
-std::string doublePendulum(int dimension, const std::string& drive) {
+std::string doublePendulum(int dimension, const std::string& enforcement) {
   const std::string zero = dimension == 2 ? "" : ", 0";
-  return header(dimension, drive, 2) + "gravity: [0, -9.81" + zero + "]\nbodies:\n" +
+  return header(dimension, enforcement, 2) + "gravity: [0, -9.81" + zero + "]\nbodies:\n" +
          rigidBox("upper", "[-2, 2]", "[-32, 2]") + rigidBox("lower", "[-2, 2]", "[-62, -28]") +
          "pins:\n  - {name: nail, body: upper, at: [0, 0], kind: line}\n" +
          (dimension == 3 ? "supports:\n  - {name: wall, body: upper, region: {x: [-2, -2], y: [2, 2], z: [-2, -2]}, "
@@ -43,9 +43,9 @@ TEST(RigidChain, TwoBodiesInAPinHangAsTheClosedFormSays) {
   const double weight = 2000 * 9.81 * 4e-3 * 34e-3 * 4e-3;
   const auto angle = [&](double force, double lever, double moment) { return std::atan(force * lever / moment); };
   for (const int dimension : {2, 3}) {
-    for (const std::string& drive : DRIVES) {
-      SCOPED_TRACE(drive + ", " + std::to_string(dimension));
-      const statics::SceneCurve curve = trace(sceneFromText(doublePendulum(dimension, drive)));
+    for (const std::string& enforcement : ENFORCEMENTS) {
+      SCOPED_TRACE(enforcement + ", " + std::to_string(dimension));
+      const statics::SceneCurve curve = trace(sceneFromText(doublePendulum(dimension, enforcement)));
       ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
       for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
         const double force = 0.02 * curve.path.points[k].control;
@@ -60,8 +60,8 @@ TEST(RigidChain, TwoBodiesInAPinHangAsTheClosedFormSays) {
 
 /// A parallelogram of rods under a soft arm: its rods hang as plumb lines, whatever the arm does, and its lower bar
 /// keeps parallel to the arm's end.
-std::string fourBarOnAnArm(const std::string& drive) {
-  return header(2, drive, 2) +
+std::string fourBarOnAnArm(const std::string& enforcement) {
+  return header(2, enforcement, 2) +
          "gravity: [0, -9.81]\nbodies:\n"
          "  arm:\n    material: {youngs_modulus: 2.0e+7, poisson_ratio: 0.3}\n    thickness: 4\n"
          "    shape: {box: {x: [0, 40], y: [-2, 2]}}\n" +
@@ -84,9 +84,9 @@ std::string fourBarOnAnArm(const std::string& drive) {
 TEST(RigidChain, ClosedFourBarHangsOnASoftArm) {
   const double rod = 2000 * 9.81 * 34e-3 * 4e-3 * 4e-3, bar = 2000 * 9.81 * 40e-3 * 4e-3 * 4e-3;
   std::vector<statics::SceneCurve> curves;
-  for (const std::string& drive : DRIVES) {
-    SCOPED_TRACE(drive);
-    curves.push_back(trace(sceneFromText(fourBarOnAnArm(drive))));
+  for (const std::string& enforcement : ENFORCEMENTS) {
+    SCOPED_TRACE(enforcement);
+    curves.push_back(trace(sceneFromText(fourBarOnAnArm(enforcement))));
     const statics::SceneCurve& curve = curves.back();
     ASSERT_EQ(curve.path.status, solver::SolveStatus::CONVERGED) << curve.path.message;
     for (std::size_t k = 0; k < curve.path.points.size(); ++k) {
@@ -99,7 +99,7 @@ TEST(RigidChain, ClosedFourBarHangsOnASoftArm) {
       EXPECT_LT(m[4], -3e-3) << "the arm bends";
       EXPECT_TRUE(curve.path.points[k].stable);
     }
-    EXPECT_LT(curve.path.iterations, (drive == "augmented_lagrangian" ? 60 : 12) * 5);
+    EXPECT_LT(curve.path.iterations, (enforcement == "augmented_lagrangian" ? 60 : 12) * 5);
   }
   for (const std::size_t other : {1u, 2u}) {
     for (std::size_t k = 0; k < curves[0].path.points.size(); ++k) {
@@ -121,24 +121,24 @@ TEST(RigidChain, QuarterVehicleIsTheSameWhateverEnforcesItsJoints) {
   statics::TraceSettings tight;
   tight.newton.relative_tolerance = 1e-12;
   std::vector<statics::SceneCurve> curves;
-  for (const std::string& drive : DRIVES) {
-    vehicle.drive = solver::driveFromName(drive);
+  for (const std::string& enforcement : ENFORCEMENTS) {
+    vehicle.enforcement = solver::enforcementFromName(enforcement);
     // Penalties round at 1e-10 N.
-    if (drive == "augmented_lagrangian") tight.newton.relative_tolerance = 1e-9;
-    if (drive == "multipliers") tight.newton.relative_tolerance = 1e-12;
+    if (enforcement == "augmented_lagrangian") tight.newton.relative_tolerance = 1e-9;
+    if (enforcement == "multipliers") tight.newton.relative_tolerance = 1e-12;
     const auto compiled = compileScene(vehicle, 1);
-    EXPECT_EQ(compiled->problem().constraints() != nullptr, drive != "elimination");
+    EXPECT_EQ(compiled->problem().constraints() != nullptr, enforcement != "elimination");
     curves.push_back(statics::traceScene(vehicle, *compiled, tight, {}));
-    ASSERT_EQ(curves.back().path.status, solver::SolveStatus::CONVERGED) << drive << curves.back().path.message;
-    EXPECT_LT(curves.back().path.iterations, (drive == "augmented_lagrangian" ? 60 : 8) * 10) << drive;
+    ASSERT_EQ(curves.back().path.status, solver::SolveStatus::CONVERGED) << enforcement << curves.back().path.message;
+    EXPECT_LT(curves.back().path.iterations, (enforcement == "augmented_lagrangian" ? 60 : 8) * 10) << enforcement;
   }
   double peak = 0;
   for (const auto& p : curves[0].path.points) peak = std::max(peak, std::abs(p.force));
   for (const std::size_t other : {1u, 2u}) {
     for (std::size_t k = 0; k < curves[0].path.points.size(); ++k) {
       const auto &a = curves[0].path.points[k], &b = curves[other].path.points[k];
-      EXPECT_NEAR(a.force, b.force, (other == 1 ? 1e-8 : 1e-9) * peak) << DRIVES[other] << " at " << a.control;
-      EXPECT_EQ(a.negative_pivots, b.negative_pivots) << DRIVES[other] << " at " << a.control;
+      EXPECT_NEAR(a.force, b.force, (other == 1 ? 1e-8 : 1e-9) * peak) << ENFORCEMENTS[other] << " at " << a.control;
+      EXPECT_EQ(a.negative_pivots, b.negative_pivots) << ENFORCEMENTS[other] << " at " << a.control;
     }
   }
 }
@@ -148,11 +148,11 @@ TEST(RigidChain, QuarterVehicleIsTheSameWhateverEnforcesItsJoints) {
 TEST(RigidChain, TwoBodiesInAPinSwing) {
   constexpr double H = 1e-3;
   std::vector<Eigen::VectorXd> ends;
-  for (const std::string& drive : {DRIVES[0], DRIVES[2]}) {
-    SCOPED_TRACE(drive);
-    const auto compiled = compileScene(sceneFromText(doublePendulum(2, drive)), 1);
+  for (const std::string& enforcement : {ENFORCEMENTS[0], ENFORCEMENTS[2]}) {
+    SCOPED_TRACE(enforcement);
+    const auto compiled = compileScene(sceneFromText(doublePendulum(2, enforcement)), 1);
     const auto problem = compiled->sharedTerms()->with({compiled->inertia(mpm::MassKind::CONSISTENT)});
-    EXPECT_EQ(problem->constraints() != nullptr, drive == "multipliers");
+    EXPECT_EQ(problem->constraints() != nullptr, enforcement == "multipliers");
     const solver::Coordinates& coordinates = problem->coordinates();
     auto context = std::make_shared<solver::StepContext>();
     solver::StepProblem step(problem, context, nullptr);
@@ -217,10 +217,10 @@ TEST(RigidChain, DeadPointIsNamed) {
 
 /// A port that turns a rigid body on a nail: y of its place moves by the control.
 TEST(RigidChain, PortTurnsABodyOnItsNail) {
-  for (const std::string& drive : DRIVES) {
-    SCOPED_TRACE(drive);
+  for (const std::string& enforcement : ENFORCEMENTS) {
+    SCOPED_TRACE(enforcement);
     const std::string text =
-        header(2, drive, 1) +
+        header(2, enforcement, 1) +
         "bodies:\n  strip:\n    material: {youngs_modulus: 5.5e+6, poisson_ratio: 0.3}\n    thickness: 2\n"
         "    shape: {box: {x: [0, 6], y: [0, 1]}}\n" +
         rigidBox("block", "[6, 12]", "[0, 1]") +

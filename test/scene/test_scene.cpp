@@ -186,7 +186,7 @@ TEST(Scene, HeldSolidEqualsPlaneStrain) {
 }
 
 /// Two blocks joined at every shared corner are one block.
-TEST(Scene, JointsTieBodies) {
+TEST(Scene, JointsConnectBodies) {
   const std::string head =
       "scene: joined\nlength_unit: mm\ndimension: 2\nplane: stress\nkernel: linear\ncell_size: 1\n";
   const std::string material = "material: {youngs_modulus: 5.5e+6, poisson_ratio: 0.3}, thickness: 1, ";

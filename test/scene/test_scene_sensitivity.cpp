@@ -86,7 +86,7 @@ Eigen::Vector4d claimed(const Design& design, Way way) {
 /// Its monitors: a displacement of the right bar's middle, and the rotation there.
 Scene truss(int dimension) {
   Scene scene = testing_scenes::jointedTruss(dimension, dimension == 2 ? "quadratic" : "linear_reduced", 1.0);
-  scene.drive = solver::Drive::MULTIPLIERS;
+  scene.enforcement = solver::Enforcement::MULTIPLIERS;
   scene.joints[0].y = 4.6e-3;  // off the faces between cells
   SceneMonitor middle{"middle", 1, {10e-3, 2.4e-3, 0}, {0, 1, 0}, 0};
   SceneMonitor turn{"turn", 1, {10e-3, 2.4e-3, 0}, {0, 0, 0}, 3e-3};
@@ -166,7 +166,7 @@ TEST(SceneSensitivity, ComplianceMatchesDifferences) {
 
 TEST(SceneSensitivity, RefusesWhatHasNone) {
   Scene scene = truss(2);
-  // On the last column of the left body: beyond it there is no material to tie.
+  // On the last column of the left body: beyond it there is no material to join.
   scene.joints[0].x = 0;
   Design edge(scene, Way::DENSITY, 0);
   edge.trace(1e-4, 1);

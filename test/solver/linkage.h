@@ -72,7 +72,7 @@ struct Linkage {
 
 /// @param keep  pins as equations; else eliminated, but for what closes chains
 inline Linkage makeLinkage(const std::vector<Bar>& bars, const std::vector<Pin>& pins, bool keep,
-                           Drive enforcement = Drive::MULTIPLIERS, double penalty = 10) {
+                           Enforcement enforcement = Enforcement::MULTIPLIERS, double penalty = 10) {
   const auto count = static_cast<int>(bars.size());
   Linkage result;
   std::vector<Rotation> rotations;

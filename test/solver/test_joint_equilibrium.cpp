@@ -71,9 +71,9 @@ Rows rowsOf(const mpm::Discretisation<2>& solid, bool doubled) {
   return rows;
 }
 
-JointSettings settings(Drive drive) {
+JointSettings settings(Enforcement enforcement) {
   JointSettings s;
-  s.drive = drive;
+  s.enforcement = enforcement;
   s.max_iterations = 300;
   s.force_tolerance = 1e-9;
   s.stiffness = 1e4;
@@ -92,8 +92,8 @@ TEST(JointEquilibrium, AgreesWithExactElimination) {
   Evaluation at;
   const NewtonResult eliminated = newton.solve(Eigen::VectorXd(), z, at);
   ASSERT_TRUE(eliminated.converged()) << eliminated.message;
-  for (const Drive drive : {Drive::MULTIPLIERS, Drive::AUGMENTED_LAGRANGIAN}) {
-    JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(drive));
+  for (const Enforcement enforcement : {Enforcement::MULTIPLIERS, Enforcement::AUGMENTED_LAGRANGIAN}) {
+    JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(enforcement));
     const JointResult result = kept.solve(none, rows.h, none);
     ASSERT_EQ(result.status, JointStatus::CONVERGED) << result.message;
     EXPECT_TRUE(result.stable);
@@ -108,14 +108,14 @@ TEST(JointEquilibrium, RepeatedJointsAreRefusedByName) {
   const auto solid = strips();
   const Rows rows = rowsOf(*solid, true);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(solid->dofCount());
-  JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(Drive::MULTIPLIERS));
+  JointEquilibrium<2> kept(solid, rows.H, rows.names, settings(Enforcement::MULTIPLIERS));
   const JointResult result = kept.solve(none, rows.h, none);
   EXPECT_EQ(result.status, JointStatus::RANK_DEFICIENT);
   EXPECT_NE(result.message.find("'joint 2 again'"), std::string::npos) << result.message;
   EXPECT_EQ(result.message.find("'hold'"), std::string::npos) << result.message;
   Eigen::MatrixXd x, y;
   EXPECT_THROW(kept.solveTangent(result.at, none, rows.h, &x, &y), common::Error);
-  JointSettings bad = settings(Drive::MULTIPLIERS);
+  JointSettings bad = settings(Enforcement::MULTIPLIERS);
   bad.stiffness = 0;
   EXPECT_THROW(JointEquilibrium<2>(solid, rows.H, rows.names, bad), common::Error);
 }

@@ -68,9 +68,9 @@ void checkLagrangian(const Problem& problem, const Eigen::VectorXd& z, double sc
   };
   const auto gap = [&](double h) {
     problem.evaluateLagrangian(z + h * d, p, lambda, Order::ENERGY, other);
-    return other.gap;
+    return other.constraint_residual;
   };
-  EXPECT_GT(at.gap.norm(), 1e-4) << "away from where they hold";
+  EXPECT_GT(at.constraint_residual.norm(), 1e-4) << "away from where they hold";
   EXPECT_TRUE(test::derivativeMatches(energy, Eigen::VectorXd::Constant(1, at.residual.dot(d)), scale, 1e-8));
   EXPECT_TRUE(test::derivativeMatches(residual, problem.pattern().multiply(at.hessian, d), scale, 1e-8));
   EXPECT_TRUE(test::derivativeMatches(gap, *at.rows * d, scale, 1e-8));
@@ -106,12 +106,12 @@ TEST(ConstraintTerm, IsATerm) {
   test::TermCase c{HessianLayout(6), {Eigen::VectorXd::LinSpaced(6, -1e-3, 2e-3)}};
   c.p = Eigen::Vector2d(0.3, -2);
   c.energy_depends_on_control = true;
-  checkTerm(ConstraintTerm(std::make_shared<const Constraints>(rows, Drive::MULTIPLIERS, 300, 1e-12)), c);
-  EXPECT_THROW(Constraints(rows, Drive::AUGMENTED_LAGRANGIAN, 0, 1e-12), common::Error);
-  EXPECT_THROW(Constraints(rows, Drive::ELIMINATION, 1, 1e-12), common::Error);
-  EXPECT_THROW(Constraints(rows, Drive::MULTIPLIERS, 1, 0), common::Error);
+  checkTerm(ConstraintTerm(std::make_shared<const Constraints>(rows, Enforcement::MULTIPLIERS, 300, 1e-12)), c);
+  EXPECT_THROW(Constraints(rows, Enforcement::AUGMENTED_LAGRANGIAN, 0, 1e-12), common::Error);
+  EXPECT_THROW(Constraints(rows, Enforcement::ELIMINATION, 1, 1e-12), common::Error);
+  EXPECT_THROW(Constraints(rows, Enforcement::MULTIPLIERS, 1, 0), common::Error);
   rows.names.pop_back();
-  EXPECT_THROW(Constraints(rows, Drive::MULTIPLIERS, 1, 1e-12), common::Error);
+  EXPECT_THROW(Constraints(rows, Enforcement::MULTIPLIERS, 1, 1e-12), common::Error);
 }
 
 /// Two bars in two pins are one body: of the equations that turn them alike one follows from the other.
@@ -357,13 +357,13 @@ TEST(ControlLine, LeadsSeveralControlsTogether) {
                            1,
                            1e-12,
                            0};
-  parts.constraints = std::make_shared<const Constraints>(rows, Drive::MULTIPLIERS, 1000, 1e-12);
+  parts.constraints = std::make_shared<const Constraints>(rows, Enforcement::MULTIPLIERS, 1000, 1e-12);
   const TermProblem problem(std::move(parts));
   EXPECT_THROW(EquilibriumSolver(problem, {}), common::Error);
   EquilibriumSolver solver(problem, {}, {Eigen::Vector2d(0.1, 0), Eigen::Vector2d(3, -1)});
   Equilibrium x = solver.start(Eigen::VectorXd::Zero(2), 0.2);
   ASSERT_TRUE(solver.minimise(x).converged());
-  solver.settle(x);
+  solver.linearise(x);
   // At (0.7, -0.2) stretched by 0.3, which grows by 1 per t.
   EXPECT_NEAR(x.z(0), 0.7, 1e-12);
   EXPECT_NEAR(x.force(), 100 * 0.3 * 1, 1e-9);

@@ -55,7 +55,7 @@ TEST_F(PlantTest, LagOfEachRotorIsExponential) {
 TEST_F(PlantTest, KeepsMomentumAndEnergyWithoutLosses) {
   parameters_.damping = parameters_.ring_drag = parameters_.centre_drag = 0.0;
   PlantSettings settings;
-  settings.mount = PlantMount::FREE;
+  settings.mount = vehicle::Mount::FREE;
   Plant p(vehicle_, table_, parameters_, settings);
   p.reset(Mode::FIXED_WING);
   // A kick by a short thrust, then nothing: thrust has died after a second.
@@ -133,7 +133,7 @@ TEST_F(PlantTest, StopsTakeEnergyAndKeepMomentum) {
 
 TEST_F(PlantTest, HeldRingFeelsGravityOnly) {
   PlantSettings settings;
-  settings.mount = PlantMount::HELD;
+  settings.mount = vehicle::Mount::HELD;
   settings.gravity = 5.0;
   Plant p = plant(settings);
   p.reset(Mode::FIXED_WING);
@@ -199,7 +199,7 @@ TEST_F(PlantTest, KeepsMomentumAndEnergyWithHeavyArmsAndWings) {
   const double ring = parameters_.ring_mass, centre = parameters_.centre_mass;
   for (const bool wings : {true, false}) {
     PlantSettings settings;
-    settings.mount = PlantMount::FREE;
+    settings.mount = vehicle::Mount::FREE;
     settings.wings = wings;
     Plant p(vehicle_, table, parameters_, settings, wing);
     p.reset(Mode::FIXED_WING);
@@ -241,7 +241,7 @@ TEST_F(PlantTest, RingInTheHandCarriesTheWeightOfArmsAndWings) {
   const vehicle::ForceTable table = snapwing::testing::exampleTableWithMass();
   const vehicle::WingTable wing = snapwing::testing::exampleWing();
   PlantSettings settings;
-  settings.mount = PlantMount::HELD;
+  settings.mount = vehicle::Mount::HELD;
   settings.gravity = 5.0;
   Plant p(vehicle_, table, parameters_, settings, wing);
   p.reset(Mode::FIXED_WING);
@@ -256,9 +256,9 @@ TEST_F(PlantTest, RingInTheHandCarriesTheWeightOfArmsAndWings) {
 TEST_F(PlantTest, WingsOnABoomOrWithoutATableAreRefused) {
   PlantSettings settings;
   settings.wings = true;
-  settings.mount = PlantMount::BOOM;
+  settings.mount = vehicle::Mount::BOOM;
   EXPECT_THROW(Plant(vehicle_, table_, parameters_, settings, snapwing::testing::exampleWing()), common::Error);
-  settings.mount = PlantMount::FREE;
+  settings.mount = vehicle::Mount::FREE;
   EXPECT_THROW(Plant(vehicle_, table_, parameters_, settings), common::Error);
   vehicle::WingTable bare = snapwing::testing::exampleWing();
   bare.coupled_mass.clear();

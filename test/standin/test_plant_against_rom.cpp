@@ -95,7 +95,7 @@ TEST(PlantAgainstRom, SameParametersSameMotionWithWings) {
   // From rest: the heavier motion would still swing when the pulse comes if the hand let go under idle thrust.
   trial.initial_thrust_fraction = 0.0;
   PlantSettings settings;
-  settings.mount = PlantMount::FREE;
+  settings.mount = vehicle::Mount::FREE;
   const Case cases[] = {{vehicle::Mode::FIXED_WING, {0.7, 0.21}},
                         {vehicle::Mode::FIXED_WING, {0.45, 0.20}},
                         {vehicle::Mode::QUADROTOR, {1.0, 0.95}},
@@ -130,7 +130,7 @@ TEST(PlantAgainstRom, SamePushSameMotion) {
   vehicle::VehicleParameters p = drawParameters(vehicle, table, 5);
   p.wing_friction = 0;  // its step differs
   PlantSettings settings;
-  settings.mount = PlantMount::FREE;
+  settings.mount = vehicle::Mount::FREE;
   for (const bool wings : {false, true}) {
     settings.wings = wings;
     Plant plant(vehicle, table, p, settings, wing);

@@ -15,8 +15,8 @@ namespace snapwing::rom {
 
 struct RelativeLoad {
   double force = 0;  ///< L [N], pushes u up
-  double felt =
-      0;  ///< a [m/s2], specific force along the thrust axis that arms and wings lag behind: pushes by -a S(u)
+  /// a [m/s2], along the thrust axis, that arms and wings lag behind: pushes by -a S(u)
+  double specific_force = 0;
 };
 
 /// The barrier between the basins, which lies where the force that balances L falls from its peak to its valley.
@@ -41,7 +41,7 @@ class LoadedBasins {
   bool equilibrium(vehicle::Mode mode, const RelativeLoad& load, double* travel) const;
 
   /// L at which the basin of `mode` vanishes, at a given a. [N]
-  double limit(vehicle::Mode mode, double felt) const;
+  double limit(vehicle::Mode mode, double specific_force) const;
 
   /// @param guess  where the barrier may be [m]; a bad one costs time only
   LoadedBarrier barrierUnder(const RelativeLoad& load, double guess = NAN) const;
@@ -60,10 +60,10 @@ class LoadedBasins {
   struct Point {
     double travel, force, coupled_mass;
   };
-  PotentialSample sample(double travel, double felt) const;
+  PotentialSample sample(double travel, double specific_force) const;
   double solveForce(const RelativeLoad& load, double low, double high, double guess) const;
-  Branch branch(double felt) const;
-  double extremum(const std::vector<Point>& points, double felt, bool largest) const;
+  Branch branch(double specific_force) const;
+  double extremum(const std::vector<Point>& points, double specific_force, bool largest) const;
 
   const Potential& potential_;
   const TravelInertia* moved_;

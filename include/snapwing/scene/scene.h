@@ -10,7 +10,7 @@
 #include "snapwing/elasticity/material.h"
 #include "snapwing/mpm/density_field.h"
 #include "snapwing/mpm/shape.h"
-#include "snapwing/solver/drive.h"
+#include "snapwing/solver/enforcement.h"
 
 namespace snapwing::scene {
 
@@ -149,7 +149,7 @@ struct Scene {
   double to = 0;                  ///< the path leads from 0 to here
   int steps = 0;
   bool back = false;
-  solver::Drive drive = solver::Drive::ELIMINATION;
+  solver::Enforcement enforcement = solver::Enforcement::ELIMINATION;
   double perturbation = 0;  ///< [m] largest motion along the critical mode by which a bifurcation is left; 0: stay
 };
 

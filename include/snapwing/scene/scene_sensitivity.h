@@ -22,7 +22,7 @@ namespace snapwing::scene {
 struct SceneSlope {
   Eigen::VectorXd density;  ///< by each cell's density, (cells x 1) [unit of the result]
   /// By x and y of each joint in joints(), (joints x 2) [unit of the result per m]; an image beyond a mirror plane
-  /// moves along. Empty with the drive `elimination`.
+  /// moves along. Empty with enforcement by `elimination`.
   Eigen::MatrixXd joint;
 };
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "snapwing/solver/coordinates.h"
-#include "snapwing/solver/drive.h"
+#include "snapwing/solver/enforcement.h"
 #include "snapwing/solver/sparse.h"
 
 namespace snapwing::solver {
@@ -47,13 +47,13 @@ class Constraints {
   /// @param tolerance    [m] > 0, on every equation
   /// @param redundant    how many of the rows C J follow from the others wherever all equations hold
   /// @throws common::Error for values out of range and sizes that do not fit
-  Constraints(LinearRows rows, Drive enforcement, double penalty, double tolerance, int redundant = 0);
+  Constraints(LinearRows rows, Enforcement enforcement, double penalty, double tolerance, int redundant = 0);
 
   int count() const { return rows_.count(); }
   int redundant() const { return redundant_; }
   const LinearRows& linear() const { return rows_; }
   const Eigen::MatrixXd& control() const { return rows_.control; }  ///< D
-  Drive enforcement() const { return enforcement_; }
+  Enforcement enforcement() const { return enforcement_; }
   double penalty() const { return penalty_; }      ///< rho [N/m]
   double tolerance() const { return tolerance_; }  ///< [m]
   Eigen::VectorXd residual(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const { return rows_.residual(y, p); }
@@ -64,7 +64,7 @@ class Constraints {
 
  private:
   LinearRows rows_;
-  Drive enforcement_;
+  Enforcement enforcement_;
   double penalty_, tolerance_;
   int redundant_;
 };

@@ -9,7 +9,7 @@
 
 namespace snapwing::solver {
 
-/// A point with its derivatives along the branch, as far as settle() filled them in.
+/// A point with its derivatives along the branch, as far as linearise() filled them in.
 struct Equilibrium {
   Eigen::VectorXd p = Eigen::VectorXd::Zero(1);  ///< the control, or t on a line of controls
   Eigen::VectorXd z;                             ///< free coordinates
@@ -59,21 +59,22 @@ class EquilibriumSolver {
   /// The same with the control free, on a plane.
   NewtonResult correctOn(const BranchPlane& plane, Equilibrium& x);
   /// Inertia and derivatives at a converged point. @return factorizations spent
-  int settle(Equilibrium& x);
-  /// Settles anew and forgets everything before: a run that starts here gives the same bits.
-  int anchor(Equilibrium& x) {
+  int linearise(Equilibrium& x);
+  /// Linearises anew and forgets everything before: a run that starts here gives the same bits.
+  int restart(Equilibrium& x) {
     newton_.forget();
-    return settle(x);
+    return linearise(x);
   }
   /// The same for a point close to where the last factor belongs to: without a new factor if the Hessian has changed by
   /// less than a hundredth (Cholesky::distance), which leaves the inertia what it was.
-  int settleNear(Equilibrium& x);
-  /// First guess at another control, from a settled point.
+  int lineariseNear(Equilibrium& x);
+  /// First guess at another control, from a linearised point.
   Equilibrium predict(const Equilibrium& from, double p) const;
-  /// Motion of the smallest Hessian's eigenvalue by magnitude (unit length), at a settled point, and that value [N/m].
+  /// Motion of the smallest Hessian's eigenvalue by magnitude (unit length), at a linearised point, and that value
+  /// [N/m].
   /// @param iterations  of the inverse iteration, at most
   double softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations = 50) const;
-  /// False if some motion costs nothing but rounding, at a settled point.
+  /// False if some motion costs nothing but rounding, at a linearised point.
   bool supported(const Equilibrium& x) const;
 
   double secondsAssembly() const { return seconds_assembly_ + newton_.secondsAssembly(); }

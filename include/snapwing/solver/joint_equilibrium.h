@@ -20,12 +20,12 @@
 namespace snapwing::solver {
 
 struct JointSettings {
-  Drive drive = Drive::MULTIPLIERS;  ///< or AUGMENTED_LAGRANGIAN
-  int max_iterations = 60;           ///< of Newton's method; of the augmented Lagrangian's updates (at least 40)
-  double force_tolerance = 1e-9;     ///< [N] on |dL/du|
-  double gap_tolerance = 1e-11;      ///< [m] largest |H u - h|; times the stiffness: error of a force
-  double energy_floor = 0;           ///< [J] smaller changes of the energy are rounding, some 1e-15 E times the volume
-  double stiffness = 0;              ///< [N/m] rho of Constraints; > 0
+  Enforcement enforcement = Enforcement::MULTIPLIERS;  ///< or AUGMENTED_LAGRANGIAN
+  int max_iterations = 60;        ///< of Newton's method; of the augmented Lagrangian's updates (at least 40)
+  double force_tolerance = 1e-9;  ///< [N] on |dL/du|
+  double gap_tolerance = 1e-11;   ///< [m] largest |H u - h|; times the stiffness: error of a force
+  double energy_floor = 0;        ///< [J] smaller changes of the energy are rounding, some 1e-15 E times the volume
+  double stiffness = 0;           ///< [N/m] rho of Constraints; > 0
   int threads = 1;
 };
 
@@ -34,12 +34,12 @@ enum class JointStatus { NOT_SOLVED, CONVERGED, NOT_CONVERGED, RANK_DEFICIENT };
 struct JointResult {
   JointStatus status = JointStatus::NOT_SOLVED;
   std::string message;
-  Eigen::VectorXd u;                                           ///< [m]
-  Eigen::VectorXd multipliers;                                 ///< one per row [N]
-  Evaluation at;                                               ///< at u, with the exact tangent
-  double gap = std::numeric_limits<double>::quiet_NaN();       ///< [m]
-  double residual = std::numeric_limits<double>::quiet_NaN();  ///< [N]
-  bool stable = false;                                         ///< a minimum among all u with H u = h
+  Eigen::VectorXd u;                                                      ///< [m]
+  Eigen::VectorXd multipliers;                                            ///< one per row [N]
+  Evaluation at;                                                          ///< at u, with the exact tangent
+  double constraint_residual = std::numeric_limits<double>::quiet_NaN();  ///< [m]
+  double residual = std::numeric_limits<double>::quiet_NaN();             ///< [N]
+  bool stable = false;                                                    ///< a minimum among all u with H u = h
   int iterations = 0;
 };
 

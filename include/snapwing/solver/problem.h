@@ -33,7 +33,7 @@ struct Evaluation {
   Sum sum;                   ///< what the terms added up to, same
   std::vector<Sum> along;    ///< work space of a step's path
   const Step* step = nullptr;                  ///< null in statics
-  Eigen::VectorXd gap;                         ///< g of the constraints [m]; empty without
+  Eigen::VectorXd constraint_residual;         ///< g of the constraints [m]; empty without
   std::shared_ptr<const ConstraintRows> rows;  ///< dg/dz at z, of order TANGENT; null without
 };
 

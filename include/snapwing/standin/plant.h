@@ -4,7 +4,7 @@
 /// the experimenter's hand; explicit fourth-order Runge-Kutta with a small fixed step.
 ///   m_r z_r'' = T - D_r - friction + H + P - F(u) - c u' - m_r g  (H: hand, only when it holds; P: push from outside)
 ///   m_c z_c'' =     - D_c             + F(u) + c u' - m_c g       u = z_r - z_c
-/// Arms, and wings that are on (dynamics/plant_forces.cpp), add their inertia to both equations, wings also friction at
+/// Arms, and wings that are on (standin/plant_forces.cpp), add their inertia to both equations, wings also friction at
 /// their pins.
 
 #include <cstdint>
@@ -13,16 +13,15 @@
 
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/mode.h"
+#include "snapwing/vehicle/trial.h"
 #include "snapwing/vehicle/vehicle.h"
 #include "snapwing/vehicle/vehicle_parameters.h"
 #include "snapwing/vehicle/wing_table.h"
 
 namespace snapwing::standin {
 
-enum class PlantMount { FREE, BOOM, HELD };
-
 struct PlantSettings {
-  PlantMount mount = PlantMount::BOOM;
+  vehicle::Mount mount = vehicle::Mount::BOOM;
   /// Wings on or off; unset = on if there is a table of them, but off on a boom, where the centripetal force that turns
   /// them is not modelled.
   std::optional<bool> wings;
@@ -105,7 +104,7 @@ class Plant {
   double thrustAfter(double dt, std::vector<double>* each) const;
   void stepOnce(double dt);
   void hitStop(double limit);
-  bool ringFixed() const { return settings_.mount == PlantMount::HELD || locked_; }
+  bool ringFixed() const { return settings_.mount == vehicle::Mount::HELD || locked_; }
 
   vehicle::VehicleParameters parameters_;
   PlantSettings settings_;

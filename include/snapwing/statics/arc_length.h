@@ -1,7 +1,7 @@
 #pragma once
 /// Follows a branch of equilibria by its arc length, through limit points of the control as well.
 ///
-/// Unknowns (z, p) and the multipliers of ties; corrector on the plane normal to the last direction t:
+/// Unknowns (z, p) and the multipliers of constraints; corrector on the plane normal to the last direction t:
 ///   dL/dz (z, p) = 0,   w t_z.(z - z0) + t_p (p - p0) = ds,   w = 1 / |dz/dp|^2 at the start
 /// solved by bordering: one factor of the exact Hessian per iteration, indefinite ones included.
 
@@ -28,14 +28,14 @@ struct ArcResult {
   PathResult path;                ///< points along the branch; the control need not be monotone
   std::vector<int> limit_points;  ///< numbers of points after which the control turned
   std::vector<int> crossings;     ///< after which the number of negative pivots changed: limit points or bifurcations
-  solver::Equilibrium last;       ///< settled; at `end` exactly if it was reached
+  solver::Equilibrium last;       ///< linearised; at `end` exactly if it was reached
 };
 
 /// @param start    free coordinates of an equilibrium at control p0
 ArcResult followArc(const solver::Problem& problem, const Eigen::VectorXd& start, double p0,
                     const ArcSettings& settings);
 
-/// The same from a settled point of a solver, which is not recorded again.
+/// The same from a linearised point of a solver, which is not recorded again.
 ArcResult followArcFrom(solver::EquilibriumSolver& solver, const solver::Equilibrium& start,
                         const ArcSettings& settings);
 

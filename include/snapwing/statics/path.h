@@ -38,7 +38,7 @@ struct PathPoint {
   double min_det_f = 1;
   int iterations = 0;        ///< with those of intermediate steps
   int factorizations = 0;    ///< same
-  bool anchor = false;       ///< what follows does not depend on what came before
+  bool restart = false;      ///< what follows does not depend on what came before
   bool by_arc = false;       ///< found by arc length, not at a wanted control
   Eigen::VectorXd solution;  ///< z
   Eigen::VectorXd slope;     ///< dz/d(control) along the path; kept and left out with the solution
@@ -55,7 +55,7 @@ struct PathResult {
   double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;
 };
 
-/// What a path or an arc reports of a settled point.
+/// What a path or an arc reports of a linearised point.
 PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factorizations, bool keep_solution);
 
 /// Steps from point to point with a Hermite predictor; a step that fails is halved.
@@ -67,7 +67,7 @@ class PathFollower {
   /// @param start     free coordinates near equilibrium at targets[0]
   /// @param targets   control values in the order of the path, at least one
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
-  /// Goes on from a settled point, which is not recorded again. It and every tenth wanted point are anchors.
+  /// Goes on from a linearised point, which is not recorded again. It and every tenth wanted point are restart points.
   PathResult followFrom(const solver::Equilibrium& start, const std::vector<double>& targets);
 
   solver::EquilibriumSolver& solver() { return solver_; }
@@ -77,7 +77,7 @@ class PathFollower {
  private:
   bool begin(const Eigen::VectorXd& start, double control, solver::NewtonResult& last);
   void followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last);
-  bool record(int point, int iterations, int factorizations, bool anchor);
+  bool record(int point, int iterations, int factorizations, bool restart);
   void stopped(double target, const solver::NewtonResult& last);
   bool stepTo(double target, solver::NewtonResult& last);
   bool jumped(const solver::Equilibrium& next) const;

@@ -17,7 +17,7 @@ class Chord {
   Chord(const solver::Equilibrium& a, const solver::Equilibrium& b);
   solver::BranchPlane plane(double s) const;
   solver::Equilibrium guess(double s) const;
-  /// d(control)/ds and d(force)/ds of the branch at a settled point.
+  /// d(control)/ds and d(force)/ds of the branch at a linearised point.
   double controlRate(const solver::Equilibrium& x) const;
   double forceRate(const solver::Equilibrium& x) const;
 
@@ -40,7 +40,7 @@ struct SingularPoint {
   bool followed = false;      ///< the path went on along phi
 };
 
-/// @param a, b  settled points of one branch with different numbers of negative pivots
+/// @param a, b  linearised points of one branch with different numbers of negative pivots
 /// @return false if the corrector lost the branch; `why` then says where
 bool locateSingular(solver::EquilibriumSolver& solver, const solver::Equilibrium& a, const solver::Equilibrium& b,
                     SingularPoint& found, std::string& why);

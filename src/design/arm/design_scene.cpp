@@ -56,7 +56,7 @@ scene::Scene designScene(const ArmDesignSettings& s, const SceneRung& rung, cons
   scene.interpolation.threshold = s.void_threshold;
   scene.steps = static_cast<int>(std::ceil(scene.to / rung.step - 1e-9));
   scene.back = true;
-  scene.drive = solver::Drive::ELIMINATION;  // exact, and the adjoint knows it
+  scene.enforcement = solver::Enforcement::ELIMINATION;  // exact, and the adjoint knows it
   // A design need not be symmetric in its plane, and its forces are those of one copy. Half the thickness at any cell
   // size: a line pin lets the whole one slide along the axle, and a compressed arm then sways sideways.
   scene.use_symmetry = scene::SymmetryUse::MIDDLE;

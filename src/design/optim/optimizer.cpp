@@ -1,6 +1,6 @@
 #include "snapwing/design/optim/optimizer.h"
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::design {
 
@@ -32,17 +32,15 @@ OptimizerStatus optimizerStatusOf(const std::string& name) {
 }
 
 void OptimizerSettings::validate() const {
-  const auto check = [](bool good, const char* name, double value, const char* allowed) {
-    if (!good) throw common::Error(std::string(name) + " is " + std::to_string(value) + "; allowed: " + allowed);
-  };
-  check(iterations >= 1, "iterations", iterations, ">= 1");
-  check(move > 0 && move <= 1, "move", move, "(0, 1]");
-  check(tolerance >= 0 && tolerance < 1, "tolerance", tolerance, "[0, 1)");
-  check(feasibility > 0, "feasibility", feasibility, "> 0");
-  check(penalty > 0, "penalty", penalty, "> 0");
-  check(asymptote_start > 0 && asymptote_start <= 10, "asymptote_start", asymptote_start, "(0, 10]");
-  check(asymptote_shrink > 0 && asymptote_shrink < 1, "asymptote_shrink", asymptote_shrink, "(0, 1)");
-  check(asymptote_grow >= 1 && asymptote_grow < 3, "asymptote_grow", asymptote_grow, "[1, 3)");
+  const common::Require require;
+  require(iterations >= 1, "iterations", iterations, ">= 1");
+  require(move > 0 && move <= 1, "move", move, "(0, 1]");
+  require(tolerance >= 0 && tolerance < 1, "tolerance", tolerance, "[0, 1)");
+  require(feasibility > 0, "feasibility", feasibility, "> 0");
+  require(penalty > 0, "penalty", penalty, "> 0");
+  require(asymptote_start > 0 && asymptote_start <= 10, "asymptote_start", asymptote_start, "(0, 10]");
+  require(asymptote_shrink > 0 && asymptote_shrink < 1, "asymptote_shrink", asymptote_shrink, "(0, 1)");
+  require(asymptote_grow >= 1 && asymptote_grow < 3, "asymptote_grow", asymptote_grow, "[1, 3)");
 }
 
 }  // namespace snapwing::design

@@ -138,7 +138,7 @@ void ElasticLinkage::Model::describe(ElasticState* s) const {
   s->joint2 = bar.joint2 + displacement(mesh.wing2, s->q);
   s->tip = bar.tip + s->q.segment<2>(3 * mesh.tip);
   s->wing_rotation = s->q[3 * mesh.wing2.b + 2];
-  s->gap = (rows.H * s->q - driven(s->theta)).cwiseAbs().maxCoeff();
+  s->constraint_residual = (rows.H * s->q - driven(s->theta)).cwiseAbs().maxCoeff();
   s->largest_stress = 0;
   for (const BeamElement& e : mesh.elements) {
     s->largest_stress = std::max(s->largest_stress, elementStress(section, elementVariables(e, s->q)));

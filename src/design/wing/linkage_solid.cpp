@@ -51,7 +51,7 @@ class SolidLinkage : public LinkageModel {
   static solver::JointSettings solverSettings(const WingBars& bars, const SolidSettings& s, double volume) {
     const double EA = bars.youngs_modulus * bars.width * bars.thickness;
     solver::JointSettings solver;
-    solver.drive = s.solver;
+    solver.enforcement = s.solver;
     solver.max_iterations = s.max_iterations;
     solver.force_tolerance = FORCE_TOLERANCE * EA;
     solver.energy_floor = ENERGY_FLOOR * bars.youngs_modulus * volume;
@@ -140,7 +140,7 @@ void SolidLinkage<D>::describe(const solver::JointResult& result, double near, E
   const Complex z = complexOf(gathered<D>(wingPiece(), u)) / mesh_.bar(COUPLER_BAR).piece(2 * settings_.grip);
   const double angle = std::arg(1.0 + z);
   state->wing_rotation = angle + 2 * M_PI * std::round((near - angle) / (2 * M_PI));
-  state->gap = result.gap;
+  state->constraint_residual = result.constraint_residual;
   state->stable = result.stable;
   state->largest_stress = largestStress(u);
 }

@@ -30,10 +30,10 @@ SolidJoints<D>::SolidJoints(const FourBar& layout, const WingBars& bars, const S
     : layout_(layout), bars_(bars), settings_(s), mesh_(mesh) {
   ground("driven port", ARM_BAR, -s.driver);
   ground("axle", ARM_BAR, 0);
-  tie("joint X1", ARM_BAR, 1, COUPLER_BAR, 0);
-  tie("joint X2", COUPLER_BAR, 1, ROCKER_BAR, 1);
+  join("joint X1", ARM_BAR, 1, COUPLER_BAR, 0);
+  join("joint X2", COUPLER_BAR, 1, ROCKER_BAR, 1);
   ground("auxiliary joint", ROCKER_BAR, 0);
-  tie("weld of the wing", COUPLER_BAR, 1, EDGE_BAR, 0);
+  join("weld of the wing", COUPLER_BAR, 1, EDGE_BAR, 0);
   weld();
   for (std::size_t i = 0; i < s.ground_pins.size(); ++i) {
     const GroundPin& pin = s.ground_pins[i];
@@ -57,7 +57,7 @@ void SolidJoints<D>::addRow(const NodeWeights& weights, int axis, double sign, i
 
 /// Equal displacement of two points, or none of one (second < 0); in three dimensions of a segment.
 template <int D>
-void SolidJoints<D>::tie(const std::string& name, int first, double t_first, int second, double t_second) {
+void SolidJoints<D>::join(const std::string& name, int first, double t_first, int second, double t_second) {
   const auto add = [&](double level, int axis) {
     const int row = newRow(name);
     addRow(mesh_.at(first, t_first, level), axis, 1, row);

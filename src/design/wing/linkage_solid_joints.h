@@ -35,8 +35,8 @@ class SolidJoints {
   Complex forceOf(const Couple& c) const;
   void addRow(const NodeWeights& weights, int axis, double sign, int row);
   int newRow(const std::string& name);
-  void tie(const std::string& name, int first, double t_first, int second, double t_second);
-  void ground(const std::string& name, int bar, double t) { tie(name, bar, t, -1, 0); }
+  void join(const std::string& name, int first, double t_first, int second, double t_second);
+  void ground(const std::string& name, int bar, double t) { join(name, bar, t, -1, 0); }
   void weld();
 
   FourBar layout_;

@@ -7,6 +7,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::design {
 
@@ -103,20 +104,18 @@ void writeLayers(std::ostream& out, const StackPlan& stack) {
   }
 }
 
-void demand(bool good, const std::string& what, double value, const std::string& allowed) {
-  if (!good) throw common::Error("wing: " + what + " is " + std::to_string(value) + "; allowed: " + allowed);
-}
+const common::Require require("wing");
 
 }  // namespace
 
 void WingLayout::validate() const {
   linkage.validate();
-  demand(wing_sign == 1 || wing_sign == -1, "wing_sign", wing_sign, "1, -1");
-  demand(arm_rotation[0] > 0 && arm_rotation[1] > arm_rotation[0], "arm_rotation[0]", arm_rotation[0],
-         "above 0 and below arm_rotation[1]");
-  demand(anchor.allFinite(), "anchor", anchor.sum(), "finite");
-  demand(axle_radius >= 0 && std::isfinite(axle_radius), "axle_radius", axle_radius, "at least 0 m");
-  demand(std::isfinite(axle_below_ring), "axle_below_ring", axle_below_ring, "finite");
+  require(wing_sign == 1 || wing_sign == -1, "wing_sign", wing_sign, "1, -1");
+  require(arm_rotation[0] > 0 && arm_rotation[1] > arm_rotation[0], "arm_rotation[0]", arm_rotation[0],
+          "above 0 and below arm_rotation[1]");
+  require(anchor.allFinite(), "anchor", anchor.sum(), "finite");
+  require(axle_radius >= 0 && std::isfinite(axle_radius), "axle_radius", axle_radius, "at least 0 m");
+  require(std::isfinite(axle_below_ring), "axle_below_ring", axle_below_ring, "finite");
 }
 
 WingLayout layoutOf(const WingSettings& s, const WingDesign& d, const vehicle::Vehicle& vehicle,

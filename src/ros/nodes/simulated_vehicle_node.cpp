@@ -54,18 +54,12 @@ struct SimulationSettings {
   std::uint16_t imu_port = 0;  ///< of a stand-in flight controller; 0 = none
 };
 
-standin::PlantMount plantMount(vehicle::Mount mount) {
-  if (mount == vehicle::Mount::FREE) return standin::PlantMount::FREE;
-  return mount == vehicle::Mount::BOOM ? standin::PlantMount::BOOM : standin::PlantMount::HELD;
-}
-
 SimulationSettings readSettings(Params& params, const vehicle::Vehicle& vehicle, const std::string& name_space) {
   SimulationSettings s;
   s.seed = static_cast<std::uint64_t>(params.integer("seed", 0, 1000000));
   s.nominal = params.boolean("nominal");
   s.initial_mode = vehicle::modeFromName(params.choice("initial_mode", {"F", "Q"}));
-  s.plant.mount =
-      plantMount(vehicle::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount"));
+  s.plant.mount = vehicle::mountFor(vehicle, params.choice("mount", {"auto", "free", "boom", "held"}), "mount");
   s.plant.wings = vehicle::wingsFromName(params.choice("wings", {"auto", "on", "off"}));
   s.plant.gravity = params.number("gravity", {-9.83, 9.83}, "m/s2");
   s.plant.step = params.number("step", {1e-6, 1e-3}, "s");

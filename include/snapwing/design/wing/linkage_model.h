@@ -19,7 +19,7 @@
 
 namespace snapwing::design {
 
-using JointSolver = solver::Drive;
+using JointSolver = solver::Enforcement;
 
 /// A further point held to ground; body 0 arm, 1 wing, 2 rocker; bar in the rung's order; fraction 0..1 along it.
 struct GroundPin {
@@ -39,7 +39,7 @@ struct ElasticState {
   double largest_stress = 0;            ///< beams: |axial| + |bending| at the edge; solids: von Mises in cells [Pa]
   Eigen::Vector2d joint1, joint2, tip;  ///< [m]
   double wing_rotation = 0;             ///< of the wing at joint 2 [rad]
-  double gap = 0;                       ///< largest violation of H q = h [m]
+  double constraint_residual = 0;       ///< largest violation of H q = h [m]
   bool stable = false;                  ///< a minimum among all q with H q = h
   int iterations = 0;
 };

@@ -5,13 +5,13 @@
 
 namespace snapwing::solver {
 
-enum class Drive {
+enum class Enforcement {
   ELIMINATION,           ///< exactly, by eliminating unknowns
   AUGMENTED_LAGRANGIAN,  ///< inner minimisation at fixed multipliers, outer updates lambda += rho g
-  MULTIPLIERS,           ///< Newton on the saddle point, by the Schur complement of the ties
+  MULTIPLIERS,           ///< Newton on the saddle point, by the Schur complement of the constraints
 };
 /// As scene files and the command line write it. @throws common::Error
-Drive driveFromName(const std::string& name);
-std::string driveName(Drive drive);
+Enforcement enforcementFromName(const std::string& name);
+std::string enforcementName(Enforcement enforcement);
 
 }  // namespace snapwing::solver

@@ -40,20 +40,21 @@ PathResult trace(const scene::CompiledScene& compiled, double to, int steps) {
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
-class Drives : public ::testing::TestWithParam<Case> {};
+class Enforcements : public ::testing::TestWithParam<Case> {};
 
-TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
+TEST_P(Enforcements, AgreeWithEachOtherAndWithTheEnergy) {
   const Case& c = GetParam();
   scene::Scene scene = sceneOf(c);
   std::vector<PathResult> paths;
-  for (const solver::Drive drive :
-       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
-    scene.drive = drive;
+  for (const solver::Enforcement enforcement :
+       {solver::Enforcement::ELIMINATION, solver::Enforcement::AUGMENTED_LAGRANGIAN,
+        solver::Enforcement::MULTIPLIERS}) {
+    scene.enforcement = enforcement;
     const auto compiled = scene::compileScene(scene, 1);
-    EXPECT_EQ(compiled->problem().constraints() != nullptr, drive != solver::Drive::ELIMINATION);
+    EXPECT_EQ(compiled->problem().constraints() != nullptr, enforcement != solver::Enforcement::ELIMINATION);
     paths.push_back(trace(*compiled, c.far, 20));
     ASSERT_EQ(paths.back().status, solver::SolveStatus::CONVERGED)
-        << solver::driveName(drive) << ": " << paths.back().message;
+        << solver::enforcementName(enforcement) << ": " << paths.back().message;
   }
   double largest = 0;
   bool second_basin = false;
@@ -65,7 +66,7 @@ TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
   for (const std::size_t other : {1u, 2u}) {
     for (std::size_t k = 0; k < paths[0].points.size(); ++k) {
       const PathPoint &a = paths[0].points[k], &b = paths[other].points[k];
-      // Ties close to 1e-10 of a cell, and residuals to 1e-12 of the cells' forces.
+      // Constraints close to 1e-10 of a cell, and residuals to 1e-12 of the cells' forces.
       EXPECT_NEAR(a.force, b.force, 1e-7 * largest) << "at " << a.control;
       EXPECT_NEAR(a.stiffness, b.stiffness, 1e-6 * std::abs(paths[0].points[0].stiffness)) << "at " << a.control;
       EXPECT_NEAR(a.energy, b.energy, 1e-8 * largest * c.far) << "at " << a.control;
@@ -74,12 +75,13 @@ TEST_P(Drives, AgreeWithEachOtherAndWithTheEnergy) {
   }
 }
 
-TEST_P(Drives, TheReactionIsTheSlopeOfTheEnergy) {
+TEST_P(Enforcements, TheReactionIsTheSlopeOfTheEnergy) {
   const Case& c = GetParam();
   scene::Scene scene = sceneOf(c);
-  for (const solver::Drive drive :
-       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
-    scene.drive = drive;
+  for (const solver::Enforcement enforcement :
+       {solver::Enforcement::ELIMINATION, solver::Enforcement::AUGMENTED_LAGRANGIAN,
+        solver::Enforcement::MULTIPLIERS}) {
+    scene.enforcement = enforcement;
     const auto compiled = scene::compileScene(scene, 1);
     solver::NewtonSettings newton;
     newton.relative_tolerance = 1e-11;  // displacements of 17 mm on .4 mm cells round to 4e-11 N
@@ -90,7 +92,7 @@ TEST_P(Drives, TheReactionIsTheSlopeOfTheEnergy) {
       solver::Equilibrium x = solver.start(path.points.back().solution, travel);
       x.multipliers = path.points.back().multipliers;
       ASSERT_TRUE(solver.minimise(x).converged());
-      solver.settle(x);
+      solver.linearise(x);
       const auto energy = [&](double h) {
         solver::Equilibrium moved = solver.predict(x, travel + h);
         const solver::NewtonResult result = solver.minimise(moved);
@@ -99,12 +101,12 @@ TEST_P(Drives, TheReactionIsTheSlopeOfTheEnergy) {
       };
       EXPECT_TRUE(
           snapwing::test::derivativeMatches(energy, Eigen::VectorXd::Constant(1, x.force()), 0.2 * c.near, 1e-6))
-          << solver::driveName(drive) << " at " << travel;
+          << solver::enforcementName(enforcement) << " at " << travel;
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Drives,
+INSTANTIATE_TEST_SUITE_P(Scenes, Enforcements,
                          ::testing::Values(Case{"beam", 2, false, 1e-3, 17e-3},
                                            Case{"solid_arm", 3, false, 5e-3, 50e-3},
                                            Case{"truss", 2, true, 1e-3, 8.5e-3},
@@ -112,9 +114,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Drives,
                          [](const auto& instance) { return instance.param.name; });
 
 /// A joint whose bodies are driven by the same rigid plate says nothing new, whatever way it is imposed.
-TEST(Ties, AJointAtADrivenPortIsDropped) {
-  for (const solver::Drive drive :
-       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
+TEST(Enforcement, AJointAtADrivenPortIsDropped) {
+  for (const solver::Enforcement enforcement :
+       {solver::Enforcement::ELIMINATION, solver::Enforcement::AUGMENTED_LAGRANGIAN,
+        solver::Enforcement::MULTIPLIERS}) {
     scene::Scene scene = scene::testing_scenes::jointedTruss(2, "linear", 1.0);
     scene::ScenePort other = scene.ports[0];
     other.body = 1;
@@ -122,23 +125,25 @@ TEST(Ties, AJointAtADrivenPortIsDropped) {
     scene.ports.push_back(other);
     scene.ports[0].region.low(0) = scene.ports[0].region.high(0) = -1e-3;
     scene.joints[0].x = -1e-3;
-    scene.drive = drive;
+    scene.enforcement = enforcement;
     scene.to = 2e-3;
     scene.steps = 4;
     const auto compiled = scene::compileScene(scene, 1);
     const PathResult path = trace(*compiled, scene.to, 4);
-    ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED) << solver::driveName(drive) << ": " << path.message;
+    ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED)
+        << solver::enforcementName(enforcement) << ": " << path.message;
     static double first = path.points.back().force;
-    EXPECT_NEAR(path.points.back().force, first, 1e-8 * std::abs(first)) << solver::driveName(drive);
+    EXPECT_NEAR(path.points.back().force, first, 1e-8 * std::abs(first)) << solver::enforcementName(enforcement);
   }
 }
 
-TEST(Ties, DriveNamesAreReadBack) {
-  for (const solver::Drive drive :
-       {solver::Drive::ELIMINATION, solver::Drive::AUGMENTED_LAGRANGIAN, solver::Drive::MULTIPLIERS}) {
-    EXPECT_EQ(solver::driveFromName(solver::driveName(drive)), drive);
+TEST(Enforcement, NamesAreReadBack) {
+  for (const solver::Enforcement enforcement :
+       {solver::Enforcement::ELIMINATION, solver::Enforcement::AUGMENTED_LAGRANGIAN,
+        solver::Enforcement::MULTIPLIERS}) {
+    EXPECT_EQ(solver::enforcementFromName(solver::enforcementName(enforcement)), enforcement);
   }
-  EXPECT_ANY_THROW(solver::driveFromName("glue"));
+  EXPECT_ANY_THROW(solver::enforcementFromName("glue"));
 }
 
 }  // namespace
