@@ -10,6 +10,7 @@ import unittest
 
 import link_faults
 import process_faults
+import side_by_side
 from link_bench import IDLE, OFF, Bench, wait_for
 
 PROGRAMS = os.environ.get("SNAPWING_PROGRAMS", ".")
@@ -81,17 +82,6 @@ class Processes(unittest.TestCase):
                 self.assertGreater(time.monotonic() - before, 0.2, "safe frames for at least 0.2 s")
                 self.wait_for_end(bench.bridge)
                 self.assertRegex("\n".join(bench.bridge.lines), r"went out in 1\d frames over 3\d\d ms")
-
-    def test_any_fault_of_the_program_ends_in_the_guardian(self):
-        for kind in process_faults.INJECTED:
-            with self.subTest(fault=kind.__name__):
-                fault = kind(PROGRAMS, 0)
-                try:
-                    _, seconds, highest = fault.trial()
-                    self.assertLess(seconds, kind.promise + SLACK)
-                    self.assertLessEqual(highest, IDLE)
-                finally:
-                    fault.close()
 
     def test_a_fault_table_that_is_ended_leaves_nothing_behind(self):
         def left(session):
@@ -258,9 +248,27 @@ class Processes(unittest.TestCase):
                 self.assertIn(words, "\n".join(process.lines))
 
 
+class FaultsOfTheProgram(unittest.TestCase):
+    """Whatever goes wrong inside of the bridge ends in the guardian: one test for each kind of fault_injection.c."""
+
+
+def fault_test(kind):
+    def test(self):
+        fault = kind(PROGRAMS, 0)
+        self.addCleanup(fault.close)
+        _, seconds, highest = fault.trial()
+        self.assertLess(seconds, kind.promise + SLACK)
+        self.assertLessEqual(highest, IDLE)
+    return test
+
+
+for injected in process_faults.INJECTED:
+    setattr(FaultsOfTheProgram, f"test_{injected.__name__}", fault_test(injected))
+
+
 if __name__ == "__main__":
     if len(sys.argv) > 1 and os.path.isdir(sys.argv[1]):
         PROGRAMS = sys.argv.pop(1)
     if len(sys.argv) > 1 and os.path.isdir(sys.argv[1]):
         os.environ["SNAPWING_TEST_HELPERS"] = sys.argv.pop(1)
-    unittest.main()
+    side_by_side.main(5, PROGRAMS, os.environ["SNAPWING_TEST_HELPERS"])

@@ -12,6 +12,7 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "processes"))
+import side_by_side  # noqa: E402
 from link_bench import Process, be_firm, free_port, wait_for  # noqa: E402
 
 PROGRAMS = "."
@@ -114,4 +115,4 @@ if __name__ == "__main__":
         sys.exit(measure_held_up(*map(int, sys.argv[2:])))
     if len(sys.argv) > 1 and os.path.isdir(sys.argv[1]):
         PROGRAMS = sys.argv.pop(1)
-    unittest.main()
+    side_by_side.main(5, PROGRAMS)
