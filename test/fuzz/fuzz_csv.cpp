@@ -9,8 +9,8 @@ using namespace snapwing;
 using fuzz::taken;
 
 namespace snapwing::statics {
-solver::Drive driveFromName(const std::string&) { return solver::Drive::ELIMINATION; }
-std::string driveName(solver::Drive) { return "elimination"; }
+solver::Enforcement enforcementFromName(const std::string&) { return solver::Enforcement::ELIMINATION; }
+std::string enforcementName(solver::Enforcement) { return "elimination"; }
 }  // namespace snapwing::statics
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -6,13 +6,13 @@
 #include "fuzz_file.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/scene/rung.h"
-#include "snapwing/solver/drive.h"
+#include "snapwing/solver/enforcement.h"
 
 using namespace snapwing;
 
 namespace snapwing::statics {
-solver::Drive driveFromName(const std::string&) { return solver::Drive::ELIMINATION; }
-std::string driveName(solver::Drive) { return "elimination"; }
+solver::Enforcement enforcementFromName(const std::string&) { return solver::Enforcement::ELIMINATION; }
+std::string enforcementName(solver::Enforcement) { return "elimination"; }
 }  // namespace snapwing::statics
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,18 +3,18 @@
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/settings_reader.h"
 #include "snapwing/scene/scene.h"
-#include "snapwing/solver/drive.h"
+#include "snapwing/solver/enforcement.h"
 #include "snapwing/vehicle/vehicle.h"
 
 using namespace snapwing;
 using fuzz::taken;
 
-// The names of the drives lie beside the solver, which is not built in here.
+// The names of enforcements lie beside the solver, which is not built in here.
 namespace snapwing::statics {
-solver::Drive driveFromName(const std::string& name) {
-  return name == "multipliers" ? solver::Drive::MULTIPLIERS : solver::Drive::ELIMINATION;
+solver::Enforcement enforcementFromName(const std::string& name) {
+  return name == "multipliers" ? solver::Enforcement::MULTIPLIERS : solver::Enforcement::ELIMINATION;
 }
-std::string driveName(solver::Drive) { return "elimination"; }
+std::string enforcementName(solver::Enforcement) { return "elimination"; }
 }  // namespace snapwing::statics
 
 namespace {
