@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "snapwing/common/error.h"
+#include "snapwing/scene/rung.h"
 #include "snapwing/validation/validation.h"
 
 namespace snapwing::validation {
@@ -59,13 +60,15 @@ class PlanGate {
   }
   static std::string roleName(const ValidationTrial& t) {
     if (t.role == TrialRole::HALF_STEP) return "half step";
-    if (t.role == TrialRole::COARSE) return "coarse cells";
+    const std::string kernel = t.trial.kernel == scene::SceneKernel::LINEAR ? "" : ", reduced kernel";
+    if (t.role == TrialRole::COARSE) return "coarse cells" + kernel;
     if (t.role == TrialRole::WEAKEST) return "weakest vehicle " + t.name.substr(t.name.rfind('_') + 1);
-    return "nominal";
+    return "nominal" + kernel;
   }
-  const RungOutcome* find(TrialRung rung, TrialRole role) const {
+  const RungOutcome* find(TrialRung rung, TrialRole role,
+                          scene::SceneKernel kernel = scene::SceneKernel::LINEAR) const {
     const auto at = std::find_if(found_.trials.begin(), found_.trials.end(), [&](const ValidationTrial& t) {
-      return t.plan == plan_ && t.role == role && t.trial.rung == rung;
+      return t.plan == plan_ && t.role == role && t.trial.rung == rung && t.trial.kernel == kernel;
     });
     return at == found_.trials.end() ? nullptr : &at->outcome;
   }
@@ -99,24 +102,37 @@ class PlanGate {
                                   (failed.empty() ? "" : "; " + failed)));
   }
 
-  /// A number of the nominal vehicle. Where a rung ran on cells of two sizes, h and 2 h, it is extrapolated at first
-  /// order (docs/validation.md), 2 x(h) - x(2 h), and a third of the correction is its error bar.
+  /// A number of the nominal vehicle. Where a rung ran on cells of two sizes, h and 2 h, each kernel is extrapolated at
+  /// first order, 2 x(h) - x(2 h). Their mean counts; its error bar is half their spread, or a third of the largest
+  /// correction if that is more: the rule of a design's check (docs/design.md).
   struct Judged {
     double value = NAN;
     std::string words;
   };
   Judged judged(TrialRung rung, double RungOutcome::*member, const char* unit) const {
-    const RungOutcome* fine = find(rung, TrialRole::NOMINAL);
-    const RungOutcome* coarse = find(rung, TrialRole::COARSE);
     Judged out;
-    out.value = 1e3 * (fine->*member);
-    if (coarse == nullptr) return out;
-    const double correction = 1e3 * (fine->*member - coarse->*member);
+    if (find(rung, TrialRole::COARSE) == nullptr) {
+      out.value = 1e3 * (find(rung, TrialRole::NOMINAL)->*member);
+      return out;
+    }
+    double least = INFINITY, most = -INFINITY, correction = 0;
     char words[200];
-    std::snprintf(words, sizeof words, "extrapolated from %.1f and %.1f %s: %.1f +- %.1f %s", 1e3 * (coarse->*member),
-                  out.value, unit, out.value + correction, std::abs(correction) / 3, unit);
-    out.value += correction;
-    out.words = words;
+    for (const auto kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
+      const RungOutcome* fine = find(rung, TrialRole::NOMINAL, kernel);
+      const RungOutcome* coarse = find(rung, TrialRole::COARSE, kernel);
+      if (fine == nullptr || coarse == nullptr) continue;
+      const double at = 1e3 * (fine->*member), moved = at - 1e3 * (coarse->*member);
+      if (!std::isfinite(at + moved)) return out;
+      least = std::min(least, at + moved), most = std::max(most, at + moved);
+      correction = std::max(correction, std::abs(moved));
+      std::snprintf(words, sizeof words, "%s: %.1f, %.1f %s; ", scene::kernelName(kernel).c_str(), at - moved, at,
+                    unit);
+      out.words += words;
+    }
+    out.value = 0.5 * (least + most);
+    std::snprintf(words, sizeof words, "extrapolated %.1f +- %.1f %s", out.value,
+                  std::max(0.5 * (most - least), correction / 3), unit);
+    out.words += words;
     return out;
   }
 

@@ -61,8 +61,13 @@ std::string curvePlot(const Validation& found, const vehicle::ForceTable& table)
   PlotLine stated{"table (lumped rung)", table.travel, table.force, "#888", true};
   PlotLine traced{"body, traced anew (planar)", found.curve.travel, found.curve.force, "#0969da"};
   for (double& f : stated.y) f *= table.arm_count;
+  // The far end, where arms are stretched straight, would hide peak and valley.
+  const double second = table.travel.empty() ? NAN : vehicle::curveFeatures(table).second_travel;
   for (PlotLine* line : {&stated, &traced}) {
-    for (double& u : line->x) u *= 1e3;
+    for (std::size_t k = 0; k < line->x.size(); ++k) {
+      if (line->x[k] < 0 || line->x[k] > 1.15 * second) line->y[k] = NAN;
+      line->x[k] = line->y[k] == line->y[k] ? 1e3 * line->x[k] : NAN;
+    }
   }
   return linePlot("Force of all arms", "travel [mm]", "force [N]", {stated, traced});
 }

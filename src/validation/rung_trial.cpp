@@ -74,6 +74,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   motion::AxisSettings settings;
   settings.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   settings.cell_size = trial.cell_size;
+  settings.kernel = trial.kernel;
   return settings;
 }
 

@@ -31,8 +31,13 @@ class TrialList {
       add(TrialRole::THRESHOLD, TrialRung::PLANAR);
       add(TrialRole::THRESHOLD, TrialRung::LUMPED);
       if (!settings_.volumetric) continue;
-      add(TrialRole::NOMINAL, TrialRung::VOLUMETRIC);
-      add(TrialRole::COARSE, TrialRung::VOLUMETRIC);
+      for (const scene::SceneKernel kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
+        for (const TrialRole role : {TrialRole::NOMINAL, TrialRole::COARSE}) {
+          add(role, TrialRung::VOLUMETRIC);
+          trials_.back().trial.kernel = kernel;
+          if (kernel != scene::SceneKernel::LINEAR) trials_.back().name += "_reduced";
+        }
+      }
     }
     for (std::size_t k = 0; k < plans_.size(); ++k) {
       plan_ = static_cast<int>(k);
@@ -104,8 +109,8 @@ std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
   text.precision(17);
   const RungTrial& r = t.trial;
   text << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';' << static_cast<int>(r.start)
-       << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';' << r.cell_size << ';' << r.step << ';'
-       << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount) << ';'
+       << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';' << static_cast<int>(r.kernel) << ';' << r.cell_size
+       << ';' << r.step << ';' << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount) << ';'
        << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';' << r.trial.initial_speed << ';'
        << r.trial.push << ';' << r.trial.horizon << ';' << r.trial.initial_thrust_fraction.value_or(-1) << ';'
        << r.trial.final_thrust_fraction.value_or(-1);

@@ -19,6 +19,7 @@ struct RungTrial {
   vehicle::Mode start = vehicle::Mode::FIXED_WING;
   vehicle::Pulse pulse;  ///< as the motors of this vehicle see it
   vehicle::Trial trial;
+  scene::SceneKernel kernel = scene::SceneKernel::LINEAR;  ///< of the solid
   std::vector<double> box;  ///< coordinates of vehicle::uncertainNames(), in [-1, 1]; empty: nominal
   double cell_size = 1e-3;  ///< [m] of the solid
   double step = 2e-3;       ///< [s] of the solid
