@@ -107,6 +107,10 @@ class Watch {
     out.travel = vehicle_.travel(s);
     out.travel_rate = vehicle_.travelRate(s);
     out.arm_rotation = vehicle_.armRotation(s);
+    if (vehicle_.linkage() != nullptr) {
+      out.wing_left = vehicle_.wingAngle(s, true), out.wing_right = vehicle_.wingAngle(s, false);
+      out.hub_twist = vehicle_.hubTwist(s);
+    }
     out.thrust = thrust_.at(s.time);
     const double whole = 1 / vehicle_.shareOfVehicle();
     out.kinetic = whole * s.kinetic;

@@ -1,7 +1,10 @@
 #include "snapwing/motion/axis_vehicle.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
@@ -22,7 +25,10 @@ constexpr double FRICTION_SPEED = 0.02;  // [m/s] as in the lumped model
 constexpr double CURVE_STEP = 0.002;     // [m]
 constexpr std::array<const char*, 4> DAMPING{"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"};
 
-scene::Scene armOf(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings) {
+/// One body for each group of arms that move alike, all driven by the one travel.
+/// @param shares  how many times the first group's arm each of them is, in forces and masses
+scene::Scene armsOf(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings,
+                    const std::vector<double>& shares) {
   const vehicle::ArmSettings& arm = vehicle.arm;
   mpm::DensityField field = mpm::loadDensityCsv(arm.density_file, arm.domain_length, arm.domain_height);
   if (settings.cell_size > 0) field = field.resampled(settings.cell_size);
@@ -33,8 +39,27 @@ scene::Scene armOf(const vehicle::Vehicle& vehicle, double force_scale, const Ax
   of.dimension = settings.dimension;
   of.kernel = settings.kernel;
   scene::Scene scene = scene::armScene(vehicle, field, of);
+  scene.monitors[0].radius = settings.hub_radius;
   // The scale of the real force is one of the modulus: the law is linear in it.
   scene.bodies[0].material.youngs_modulus *= force_scale;
+  for (std::size_t k = 1; k < shares.size(); ++k) {
+    const std::string number = " " + std::to_string(k + 1);
+    const auto again = [&](auto& list) {
+      auto one = list.front();
+      one.name += number;
+      if constexpr (std::is_same_v<std::decay_t<decltype(one)>, scene::SceneBody>) {
+        one.material.youngs_modulus *= shares[k];
+        one.material.mass_density *= shares[k];
+      } else {
+        one.body = static_cast<int>(k);
+      }
+      list.push_back(std::move(one));
+    };
+    again(scene.bodies);
+    again(scene.pins);
+    again(scene.ports);
+    again(scene.monitors);
+  }
   return scene;
 }
 
@@ -50,51 +75,123 @@ DampingLaw dampingFromName(const std::string& name) {
 std::string dampingName(DampingLaw law) { return DAMPING[static_cast<std::size_t>(law)]; }
 
 AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
-                         const vehicle::Trial& trial, const AxisSettings& settings)
+                         const vehicle::Trial& trial, const AxisSettings& settings,
+                         const std::optional<vehicle::WingTable>& wing)
     : trial_(trial), settings_(settings), stop_(vehicle.limits.travel_min) {
-  if (trial.wings.value_or(false)) {
-    throw common::Error("wings is on; allowed on this rung: off (the wings' linkage is in the lumped rung)");
-  }
   trial.validate();
-  scene_ = scene::compileScene(armOf(vehicle, parameters.force_scale, settings), settings.threads);
+  arms_ = vehicle.arm.count;
+  groups_ = {arms_};
+  if (trial.wings.value_or(false)) addWings(vehicle, parameters, wing);
+  std::vector<double> shares;
+  for (const int arms : groups_) shares.push_back(arms / static_cast<double>(groups_.front()));
+  scene_ = scene::compileScene(armsOf(vehicle, parameters.force_scale, settings, shares), settings.threads);
   curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP);
   if (!curve_->bistable()) {
     throw common::Error("vehicle '" + vehicle.name +
                         "': its arm has no second equilibrium up to limits.travel_max at " +
                         "these cells; a trial needs a bistable one");
   }
-  arms_ = vehicle.arm.count;
-  share_ = 1 / (arms_ * scene_->multiplicity());
+  share_ = 1 / (groups_.front() * scene_->multiplicity());
   nodes_ = scene_->terms().coordinates().fullCount();
   const bool held = trial.mount == Mount::HELD;
-  ring_ = held ? -1 : nodes_;
-  centre_ = held ? nodes_ : nodes_ + 1;
-  auto coordinates = std::make_shared<const solver::Coordinates>(eliminate(), settings.dimension);
-  solver::TermProblem::Parts parts{layout(),         std::move(coordinates),       {},
-                                   settings.threads, scene_->terms().forceFloor(), 0};
+  placeWings();
+  ring_ = held ? -1 : nodes_ + wings_.count();
+  centre_ = nodes_ + wings_.count() + (held ? 0 : 1);
+  solver::TermProblem::Parts parts{layout(), {}, {}, settings.threads, scene_->terms().forceFloor(), 0};
+  join(parts);
   parts.terms = {scene_->terms().terms().front(), scene_->inertia(settings.mass)};
   problem_ = std::make_shared<const solver::TermProblem>(parts);
-  const Eigen::VectorXd up = armUp(), moved = momentumOf(*problem_, up);
-  arm_mass_ = up.dot(moved) / share_;
-  if (!(parameters.ring_mass > arm_mass_)) {
+  const Eigen::VectorXd arm_up = armUp();
+  arm_mass_ = arm_up.dot(momentumOf(*problem_, arm_up)) / share_;
+  const double carried = arm_mass_ + wings_.mass() / share_;
+  if (!(parameters.ring_mass > carried)) {
     throw common::Error("masses.total leaves " + common::toText(parameters.ring_mass) +
-                        " kg for ring and arms; allowed: " + "more than the arms' " + common::toText(arm_mass_) +
-                        " kg");
+                        " kg for ring, arms and wings; allowed: more than the arms' and wings' " +
+                        common::toText(carried) + " kg");
   }
-  const std::vector<std::shared_ptr<const Term>> more = bodies(parameters);
-  parts.terms.insert(parts.terms.end(), more.begin(), more.end());
+  const std::vector<std::shared_ptr<const Term>> bars = wings_.inertia();
+  parts.terms.insert(parts.terms.end(), bars.begin(), bars.end());
+  problem_ = std::make_shared<const solver::TermProblem>(parts);
+  Eigen::VectorXd up = arm_up;
+  wings_.markUp(up);
+  const Eigen::VectorXd moved = momentumOf(*problem_, up);
+  for (const auto& more : {bodies(parameters, carried), wingForces()}) {
+    parts.terms.insert(parts.terms.end(), more.begin(), more.end());
+  }
   parts.terms.push_back(damping(parameters.damping));
-  // Thrust on the ring by the control, and weight of all against the axis.
-  Eigen::VectorXd dead = -trial.gravity * moved;
-  if (!held)
-    dead(ring_) -= share_ * trial.gravity *
-                   (parameters.ring_mass - arm_mass_ + (trial.mount == Mount::BOOM ? parameters.boom_mass : 0));
-  if (!held) dead(ring_) += share_ * trial.push;
-  dead(centre_) -= share_ * trial.gravity * parameters.centre_mass;
-  Eigen::MatrixXd thrust = Eigen::MatrixXd::Zero(centre_ + 1, 1);
-  if (!held) thrust(ring_, 0) = share_;
-  parts.terms.push_back(std::make_shared<const solver::LoadTerm>(std::move(dead), std::move(thrust)));
+  parts.terms.push_back(loads(parameters, carried, moved));
   problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
+}
+
+/// Thrust on the ring by the control, and weight of all against the axis.
+std::shared_ptr<const Term> AxisVehicle::loads(const vehicle::VehicleParameters& p, double carried,
+                                               const Eigen::VectorXd& moved) const {
+  Eigen::VectorXd dead = -trial_.gravity * moved;
+  Eigen::MatrixXd thrust = Eigen::MatrixXd::Zero(centre_ + 1, 1);
+  if (ring_ >= 0) {
+    const double boom = trial_.mount == Mount::BOOM ? p.boom_mass : 0;
+    dead(ring_) -= share_ * trial_.gravity * (p.ring_mass - carried + boom);
+    dead(ring_) += share_ * trial_.push;
+    thrust(ring_, 0) = share_;
+  }
+  dead(centre_) -= share_ * trial_.gravity * p.centre_mass;
+  return std::make_shared<const solver::LoadTerm>(std::move(dead), std::move(thrust));
+}
+
+/// Which arms differ: those with a wing, and left from right if their friction does.
+void AxisVehicle::addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p,
+                           const std::optional<vehicle::WingTable>& wing) {
+  if (!wing) throw common::Error("wings is on, and the vehicle has none; allowed: off");
+  if (trial_.mount == Mount::BOOM) vehicle::refuseWingsOnBoom("trial");
+  if (arms_ < 2) throw common::Error("wings is on with arm.count 1; allowed: at least 2 arms");
+  linkage_ = std::make_shared<const WingLinkage>(*wing, vehicle.wing.layout_file, p.wing_inertia, p.wing_friction);
+  const bool even = settings_.friction_left * linkage_->frictionMoment(true) ==
+                    settings_.friction_right * linkage_->frictionMoment(false);
+  groups_ = even ? std::vector<int>{2} : std::vector<int>{1, 1};
+  if (arms_ > 2) groups_.push_back(arms_ - 2);
+}
+
+void AxisVehicle::placeWings() {
+  if (!linkage_) return;
+  std::vector<WingAssembly::Wing> wings;
+  const auto arms = static_cast<std::size_t>(groups_.front() == 2 ? 1 : 2);
+  for (std::size_t k = 0; k < arms; ++k) {
+    const bool left = k == 0;
+    wings.push_back({left, groups_[k] * share_, left ? settings_.friction_left : settings_.friction_right});
+  }
+  wings_ = WingAssembly(linkage_, std::move(wings), settings_.dimension, nodes_);
+}
+
+std::vector<std::shared_ptr<const Term>> AxisVehicle::wingForces() {
+  std::vector<std::shared_ptr<const Term>> out = wings_.pins();
+  for (int wing = 0; wing < wings_.wingCount(); ++wing) {
+    if (settings_.wings_follow_travel) {
+      out.push_back(wings_.travelHub(wing, travelRow(), staticRotation(), settings_.hub_stiffness));
+      continue;
+    }
+    Eigen::VectorXd gradient;
+    scene_->monitor(wing, Eigen::VectorXd::Zero(nodes_), &gradient);
+    hubs_.push_back(wings_.hub(wing, gradient, ring_, settings_.hub_stiffness));
+    out.push_back(hubs_.back());
+  }
+  return out;
+}
+
+/// Coordinates, and what of the wings' closed chains is kept as equations.
+void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
+  constexpr double PENALTY = 10, GAP = 1e-12;  // [N/m] of the size of a bar's weight in long steps; [m]
+  std::vector<solver::Equation> equations = armEquations();
+  const std::vector<solver::Equation> more = wings_.equations(ring_);
+  equations.insert(equations.end(), more.begin(), more.end());
+  const int entries = settings_.dimension * settings_.dimension;
+  const int first = linkage_ ? wings_.firstEntry() : nodes_;
+  const solver::SplitEquations split =
+      solver::splitEquations(centre_ + 1, 1, equations, false, first, wings_.rotationCount(), entries);
+  parts.coordinates =
+      std::make_shared<const solver::Coordinates>(split.eliminated, settings_.dimension, wings_.rotations());
+  if (split.kept.count() == 0) return;
+  parts.constraints =
+      std::make_shared<const solver::Constraints>(split.kept, solver::Drive::MULTIPLIERS, share_ * PENALTY, GAP);
 }
 
 /// Node blocks of the arm; ring and centre are coupled by terms alone.
@@ -116,6 +213,7 @@ Eigen::VectorXd AxisVehicle::armUp() const {
 
 Eigen::VectorXd AxisVehicle::allUp() const {
   Eigen::VectorXd up = armUp();
+  wings_.markUp(up);
   up(centre_) = 1;
   if (ring_ >= 0) up(ring_) = 1;
   return up;
@@ -127,7 +225,7 @@ Row AxisVehicle::travelRow() const {
 
 /// The scene's equations hold in the ring's frame: y_i - e_i r = sum T_ij (y_j - e_j r) + B_i (r - c), with e_i = 1
 /// along the axis, r and c the places of ring and centre.
-solver::Reduction AxisVehicle::eliminate() const {
+std::vector<solver::Equation> AxisVehicle::armEquations() const {
   const solver::Reduction& own = scene_->terms().coordinates().linear();
   const Eigen::VectorXd by_control =
       own.expandDirection(Eigen::VectorXd::Zero(own.freeCount()), Eigen::VectorXd::Ones(1));
@@ -150,15 +248,16 @@ solver::Reduction AxisVehicle::eliminate() const {
     if (by_control(dof) != 0) equation.terms.emplace_back(centre_, by_control(dof));
     equations.push_back(std::move(equation));
   }
-  return solver::Reduction(centre_ + 1, 1, equations, nodes_);
+  return equations;
 }
 
-std::vector<std::shared_ptr<const Term>> AxisVehicle::bodies(const vehicle::VehicleParameters& p) const {
+std::vector<std::shared_ptr<const Term>> AxisVehicle::bodies(const vehicle::VehicleParameters& p,
+                                                             double carried) const {
   std::vector<std::shared_ptr<const Term>> terms;
   const auto row = [](int coordinate) { return Row({{coordinate, 1.0}}); };
   const bool boom = trial_.mount == Mount::BOOM;
   if (ring_ >= 0) {
-    const double mass = p.ring_mass - arm_mass_ + (boom ? p.boom_mass : 0);
+    const double mass = p.ring_mass - carried + (boom ? p.boom_mass : 0);
     terms.push_back(std::make_shared<solver::RowInertia>("ring", row(ring_), share_ * mass));
     terms.push_back(std::make_shared<solver::RowDrag>("drag of the ring", row(ring_),
                                                       share_ * (p.ring_drag + (boom ? p.boom_drag : 0))));
@@ -231,17 +330,47 @@ std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
 vehicle::ForceTable AxisVehicle::staticTable() const {
   vehicle::ForceTable table = curve_->table();
   table.arm_count = arms_;
+  const double each = groups_.front() / static_cast<double>(arms_);  // of the problem, that one arm is
   for (std::vector<double>* values : {&table.force, &table.stiffness, &table.energy}) {
-    for (double& value : *values) value *= scene_->multiplicity();
+    for (double& value : *values) value *= each * scene_->multiplicity();
   }
   for (std::size_t k = 0; k < curve_->points().size(); ++k) {
     const StaticPoint& point = curve_->points()[k];
     const mpm::MovingMass moved = scene_->movingMass(point.z, point.control, point.slope);
-    table.kinetic_mass[k] = moved.kinetic;
-    table.coupled_mass[k] = moved.coupled;
-    table.mass = moved.mass;
+    table.kinetic_mass[k] = each * moved.kinetic;
+    table.coupled_mass[k] = each * moved.coupled;
+    table.mass = each * moved.mass;
+    table.rotation[k] = scene_->monitors(point.z, point.control).front();
   }
   return table;
+}
+
+/// Of the (first) arm by the travel, with its slope.
+SmoothCurve AxisVehicle::staticRotation() const {
+  constexpr double H = 1e-6;  // [m]
+  std::vector<double> travel, rotation, slope;
+  for (const StaticPoint& point : curve_->points()) {
+    const auto at = [&](double shift) {
+      return scene_->monitors(point.z + shift * point.slope, point.control + shift).front();
+    };
+    travel.push_back(point.control);
+    rotation.push_back(at(0));
+    slope.push_back((at(H) - at(-H)) / (2 * H));
+  }
+  return {travel, rotation, slope};
+}
+
+vehicle::WingTable AxisVehicle::staticWingTable() const {
+  constexpr int POINTS = 161;
+  if (!linkage_) throw common::Error("a trial without wings has no table of them; allowed: wings on");
+  const SmoothCurve curve = staticRotation();
+  std::vector<double> travel, rotation, slope;
+  for (int k = 0; k < POINTS; ++k) {
+    travel.push_back(curve_->points().back().control * k / (POINTS - 1));
+    const SmoothCurve::Value now = curve.at(travel.back());
+    rotation.push_back(now.value), slope.push_back(now.first);
+  }
+  return linkage_->tableOn(travel, rotation, slope);
 }
 
 /// Steps that keep no motion end where the vehicle accelerates as a whole and nothing else moves.
@@ -250,9 +379,6 @@ MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) co
   constexpr int STEPS = 80;
   constexpr double H = 0.02;  // [s] long against the travel's period: each step takes most of what is left
   const StaticPoint rest = mode == vehicle::Mode::FIXED_WING ? curve_->points().front() : curve_->at(curve_->second());
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(centre_ + 1);
-  y.head(nodes_) = scene_->terms().coordinates().expand(rest.z, Eigen::VectorXd::Constant(1, rest.control));
-  y(centre_) = -rest.control;
   const Eigen::VectorXd load = Eigen::VectorXd::Constant(1, thrust);
   Eigen::VectorXd together = allUp();
   if (ring_ < 0) together.setZero();  // a held ring moves with nobody
@@ -260,26 +386,35 @@ MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) co
   settings.largest_step = H;
   Stepper stepper(problem_, Scheme(SchemeKind::BACKWARD_EULER), settings);
   const ControlOf control = [&](double, double) { return load; };
-  const auto at = [&](const Eigen::VectorXd& full) {
-    return stepper.start(problem_->coordinates().linear().freePart(full), load, trial_.initial_speed * together);
+  const solver::Coordinates& coordinates = problem_->coordinates();
+  /// At rest but for the initial speed of all. @param turned  of the wings' bars beyond what they are in `like`
+  const auto at = [&](const Eigen::VectorXd& full, const Eigen::VectorXd& turned, const MotionState* like) {
+    MotionState out = stepper.start(coordinates.freePart(full, turned), load, trial_.initial_speed * together,
+                                    like != nullptr ? like->references : nullptr);
+    if (like != nullptr) out.multipliers = like->multipliers;
+    return out;
   };
-  MotionState state = at(y);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(centre_ + 1);
+  y.head(nodes_) = scene_->terms().coordinates().expand(rest.z, Eigen::VectorXd::Constant(1, rest.control));
+  y(centre_) = -rest.control;
+  const MotionState unloaded = at(y, wings_.turned(scene_->monitors(rest.z, rest.control).front()), nullptr);
+  const Eigen::VectorXd as_they_are = Eigen::VectorXd::Zero(wings_.rotationCount());
+  MotionState state = unloaded;
   double acceleration = 0;  // of the whole
   for (int k = 0; k < STEPS; ++k) {
     // So much slower at the step's start that it has the initial speed in the step: drag is that of the start.
-    MotionState from = at(state.y - ringPosition(state) * together);
+    MotionState from = k == 0 ? state : at(state.y - ringPosition(state) * together, as_they_are, &state);
     from.v -= H * acceleration * together;
     from.kinetic = stepper.kineticEnergy(from.v);
     stepper.step(from, H, control);
     if (ring_ >= 0) acceleration += (ringSpeed(from) - trial_.initial_speed) / H;
     state = from;
   }
-  state = at(state.y - ringPosition(state) * together);
+  state = at(state.y - ringPosition(state) * together, as_they_are, &state);
   const double found = travel(state);
   const bool exists = mode == vehicle::Mode::FIXED_WING ? found < curve_->barrier() : found > curve_->barrier();
   if (held != nullptr) *held = exists;
-  if (!exists) state = at(y);
-  return state;
+  return exists ? state : unloaded;
 }
 
 Eigen::VectorXd AxisVehicle::inRingFrame(const MotionState& s) const {
@@ -289,6 +424,18 @@ Eigen::VectorXd AxisVehicle::inRingFrame(const MotionState& s) const {
 }
 
 double AxisVehicle::armRotation(const MotionState& s) const { return scene_->monitor(0, inRingFrame(s)); }
+
+double AxisVehicle::wingAngle(const MotionState& s, bool left) const {
+  if (!linkage_) return std::numeric_limits<double>::quiet_NaN();
+  const int wing = left ? 0 : wings_.wingCount() - 1;
+  return wings_.wingAngle(s.y, wing, linkage_->guessAt(scene_->monitor(wing, inRingFrame(s))).wing);
+}
+
+double AxisVehicle::hubTwist(const MotionState& s) const {
+  double largest = 0;
+  for (const auto& hub : hubs_) largest = std::max(largest, std::abs(hub->twist(s.y)));
+  return largest;
+}
 
 double AxisVehicle::commonSpeed(const MotionState& s, const Stepper& stepper) const {
   const Eigen::VectorXd up = allUp();
@@ -301,10 +448,18 @@ std::string AxisVehicle::vtu(const MotionState& s) const {
 }
 
 std::vector<std::string> AxisVehicle::leftOut() const {
-  std::vector<std::string> out{"motion across the thrust axis and rotation of the vehicle: all arms move alike",
-                               "wings and their linkage (lumped rung: --wings on)",
-                               "friction of the arms' axles beyond the damping ratio",
-                               "thrust that falls with airspeed, battery sag, yaw moment of the propellers"};
+  std::vector<std::string> out{
+      "motion across the thrust axis and rotation of the vehicle: arms without and with wings, or "
+      "left and right ones, move alike among themselves",
+      "friction of the arms' axles beyond the damping ratio",
+      "thrust that falls with airspeed, battery sag, yaw moment of the propellers"};
+  if (linkage_) {
+    out.push_back("folding of the blade: a rigid body in its place, whose K misses that of the wing's table by up to " +
+                  common::toText(linkage_->bladeError()) + " of the largest");
+    out.push_back("air loads and weight of the blade's film beyond that body, play of the pins, bending of the bars");
+  } else {
+    out.push_back("wings and their linkage");
+  }
   if (trial_.mount == Mount::BOOM) out.push_back("the boom's turning: no centripetal load on centre and arms");
   if (settings_.dimension == 2) out.push_back("what a solid's thickness does beyond plane stress (rung volumetric)");
   return out;

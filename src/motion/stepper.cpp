@@ -40,7 +40,7 @@ struct Stepper::Trial {
   MotionState end;
   StepAccount account;
   solver::StepContext context;
-  solver::Evaluation at;
+  solver::Equilibrium x;
   Eigen::VectorXd control;
   solver::NewtonResult newton;
 };
@@ -55,7 +55,8 @@ Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Schem
   newton.relative_tolerance = settings.relative_tolerance;
   newton.projection = settings.projection;
   newton.keep_factor = settings.keep_factor;
-  newton_ = std::make_unique<solver::Newton>(*step_problem_, newton);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem_->controlCount());
+  solver_ = std::make_unique<solver::EquilibriumSolver>(*step_problem_, newton, solver::ControlLine{none, none});
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(problem_->coordinates().fullCount());
   total_mass_ = momentum(ones).sum();
   if (!(total_mass_ > 0)) throw common::Error("a problem in time has no mass: give it a term of inertia");
@@ -63,10 +64,12 @@ Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Schem
 
 Stepper::~Stepper() = default;
 
-MotionState Stepper::start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& rate) const {
+MotionState Stepper::start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& rate,
+                           std::shared_ptr<const solver::References> references) const {
   MotionState state;
   state.z = z;
-  state.y = problem_->coordinates().expand(z, p);
+  state.y = problem_->coordinates().expand(z, p, references.get());
+  state.references = std::move(references);
   state.v = rate.size() > 0 ? rate : Eigen::VectorXd::Zero(state.y.size());
   if (state.v.size() != state.y.size()) {
     throw common::Error("rates have " + std::to_string(state.v.size()) +
@@ -93,7 +96,7 @@ double Stepper::storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p)
   return energy;
 }
 
-/// First guess: on with the rates of now, and the acceleration of before.
+/// First guess: on with the rates of now, and the acceleration of before; where bodies turn, what they are at.
 bool Stepper::solve(const MotionState& from, const solver::StepContext& context, Trial& out) {
   const solver::Coordinates& coordinates = problem_->coordinates();
   const double h = context.step.h;
@@ -107,9 +110,15 @@ bool Stepper::solve(const MotionState& from, const solver::StepContext& context,
       if (from.acceleration.size() > 0) guess(k) += 0.5 * h * h * from.acceleration(dof);
     }
   }
+  solver_->setLine({out.control, Eigen::VectorXd::Zero(out.control.size())});
+  const int constraints = solver_->constraintCount();
+  const bool known = from.multipliers.size() == constraints;
   for (const bool from_rest : {false, true}) {
-    out.end.z = from_rest ? from.z : guess;
-    out.newton = newton_->solve(out.control, out.end.z, out.at);
+    out.x.z = from_rest ? from.z : guess;
+    out.x.multipliers = known ? from.multipliers : Eigen::VectorXd(Eigen::VectorXd::Zero(constraints));
+    out.newton = solver_->minimise(out.x);
+    out.end.z = out.x.z;
+    out.end.multipliers = out.x.multipliers;
     out.account.iterations += out.newton.iterations;
     out.account.factorizations += out.newton.factorizations;
     if (out.newton.converged()) return true;
@@ -145,7 +154,7 @@ void Stepper::account(const MotionState& from, Trial& out) {
   const solver::Step& step = out.context.step;
   MotionState& end = out.end;
   end.time = from.time + step.h;
-  end.y = out.at.place.y;
+  end.y = out.x.at.place.y;
   end.v = scheme_.rates(step, end.y);
   end.acceleration = (end.v - from.v) / step.h;
   end.last_step = step.h;
@@ -167,7 +176,7 @@ void Stepper::account(const MotionState& from, Trial& out) {
   end.kinetic = account.kinetic;
   end.stored = account.stored;
   account.imbalance = account.kinetic + account.stored - from.kinetic - from.stored - account.work + account.loss;
-  account.min_det_f = out.at.min_det_f;
+  account.min_det_f = out.x.at.min_det_f;
   if (settings_.error > 0) {
     const Eigen::VectorXd change =
         from.acceleration.size() > 0 ? Eigen::VectorXd(end.acceleration - from.acceleration) : end.acceleration;

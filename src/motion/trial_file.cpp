@@ -105,7 +105,22 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
   }
   out.axis.stop_stiffness = solid.numberOr("stop_stiffness", out.axis.stop_stiffness, {1, 1e9}, "N/m");
   out.axis.stop_restitution = solid.numberOr("stop_restitution", out.axis.stop_restitution, {0.01, 1}, "1");
+  out.axis.hub_stiffness = solid.numberOr("hub_stiffness", out.axis.hub_stiffness, {1, 1e6}, "N m");
+  out.axis.hub_radius = solid.numberOr("hub_radius", out.axis.hub_radius, {1e-3, 0.1}, "m");
+  if (solid.has("wings_follow")) {
+    out.axis.wings_follow_travel = solid.choice("wings_follow", {"arm", "travel"}) == "travel";
+  }
   solid.finish();
+}
+
+/// Friction of each wing's pins, times what the vehicle says.
+void readFriction(SettingsReader& reader, TrialFile& out) {
+  if (!reader.has("wing_friction")) return;
+  SettingsReader friction = reader.map("wing_friction");
+  if (out.rung == TrialRung::LUMPED) reader.fail("wing_friction", "given", "with rung planar or volumetric only");
+  out.axis.friction_left = friction.numberOr("left", 1, {0, 100}, "1");
+  out.axis.friction_right = friction.numberOr("right", 1, {0, 100}, "1");
+  friction.finish();
 }
 
 }  // namespace
@@ -126,6 +141,7 @@ TrialFile loadTrial(const std::string& path) {
   out.start = vehicle::modeFromName(reader.choice("start", {"F", "Q"}));
   readPulse(reader, out);
   readSolid(reader, out);
+  readFriction(reader, out);
   readSteps(reader, out);
   readBox(reader, out);
   reader.finish();

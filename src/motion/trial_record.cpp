@@ -20,10 +20,13 @@ struct Column {
   double AxisSample::*value;
 };
 
-constexpr std::array<Column, 15> COLUMNS{{{"time", "s", &AxisSample::time},
+constexpr std::array<Column, 18> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"travel", "m", &AxisSample::travel},
                                           {"travel_rate", "m/s", &AxisSample::travel_rate},
                                           {"arm_rotation", "rad", &AxisSample::arm_rotation},
+                                          {"wing_left", "rad", &AxisSample::wing_left},
+                                          {"wing_right", "rad", &AxisSample::wing_right},
+                                          {"hub_twist", "rad", &AxisSample::hub_twist},
                                           {"ring_position", "m", &AxisSample::ring_position},
                                           {"ring_speed", "m/s", &AxisSample::ring_speed},
                                           {"centre_speed", "m/s", &AxisSample::centre_speed},
@@ -48,7 +51,7 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 1\n";
+const std::string MAGIC = "snapwing trial checkpoint 2\n";
 
 using common::BytesReader;
 using common::BytesWriter;
@@ -65,6 +68,30 @@ void eachNumber(AxisRun& run, const Visit& visit) {
   }
 }
 
+/// Vectors of a state, for both directions.
+template <class State>
+auto vectorsOf(State& s) {
+  return std::array{&s.z, &s.y, &s.v, &s.acceleration, &s.multipliers};
+}
+
+void putRotations(BytesWriter& writer, const MotionState& s) {
+  writer.number(s.references ? static_cast<double>(s.references->rotation.size()) : 0);
+  if (!s.references) return;
+  for (const Eigen::Matrix3d& r : s.references->rotation) writer.numbers(r.data(), r.size());
+}
+
+void takeRotations(BytesReader& reader, MotionState& s) {
+  const std::size_t count = reader.count();
+  if (count == 0) return;
+  auto references = std::make_shared<solver::References>();
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<double> read = reader.numbers();
+    read.resize(9);
+    references->rotation.emplace_back(Eigen::Map<const Eigen::Matrix3d>(read.data()));
+  }
+  s.references = std::move(references);
+}
+
 void put(BytesWriter& writer, const AxisRun& run) {
   AxisRun copy = run;
   eachNumber(copy, [&](double& value) { writer.number(value); });
@@ -72,9 +99,8 @@ void put(BytesWriter& writer, const AxisRun& run) {
                           run.outcome.steps, run.outcome.iterations, run.outcome.factorizations}) {
     writer.number(value);
   }
-  for (const Eigen::VectorXd* values : {&run.state.z, &run.state.y, &run.state.v, &run.state.acceleration}) {
-    writer.numbers(values->data(), values->size());
-  }
+  for (const Eigen::VectorXd* values : vectorsOf(run.state)) writer.numbers(values->data(), values->size());
+  putRotations(writer, run.state);
   writer.number(static_cast<double>(run.samples.size()));
   for (const AxisSample& sample : run.samples) {
     for (const Column& column : COLUMNS) writer.number(sample.*column.value);
@@ -91,10 +117,11 @@ AxisRun take(BytesReader& reader) {
   for (int* value : {&run.outcome.steps, &run.outcome.iterations, &run.outcome.factorizations}) {
     *value = reader.integer();
   }
-  for (Eigen::VectorXd* values : {&run.state.z, &run.state.y, &run.state.v, &run.state.acceleration}) {
+  for (Eigen::VectorXd* values : vectorsOf(run.state)) {
     const std::vector<double> read = reader.numbers();
     *values = Eigen::Map<const Eigen::VectorXd>(read.data(), static_cast<Eigen::Index>(read.size()));
   }
+  takeRotations(reader, run.state);
   const std::size_t samples = reader.count();
   for (std::size_t k = 0; k < samples; ++k) {
     AxisSample& sample = run.samples.emplace_back();
@@ -122,7 +149,7 @@ std::string seriesCsv(const std::vector<AxisSample>& samples) {
   return text.str();
 }
 
-void saveSeries(const std::vector<AxisSample>& samples, const StaticCurve& curve, double whole,
+void saveSeries(const std::vector<AxisSample>& samples, const AxisVehicle& vehicle,
                 const std::map<std::string, std::string>& provenance, const std::string& path) {
   common::hdf5::writeFile(path, [&](hid_t file) {
     for (const Column& column : COLUMNS) {
@@ -132,13 +159,15 @@ void saveSeries(const std::vector<AxisSample>& samples, const StaticCurve& curve
     }
     Handle group(H5Gcreate2(file, "static_curve", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, path,
                  "make a group");
-    std::vector<double> travel, force;
-    for (const StaticPoint& point : curve.points()) {
-      travel.push_back(point.control);
-      force.push_back(whole * point.force);
+    vehicle::ForceTable table = vehicle.staticTable();
+    for (std::vector<double>* column : {&table.force, &table.kinetic_mass, &table.coupled_mass}) {
+      for (double& value : *column) value *= table.arm_count;
     }
-    writeArray(group, "travel", travel, "m", path);
-    writeArray(group, "force", force, "N", path);
+    writeArray(group, "travel", table.travel, "m", path);
+    writeArray(group, "force", table.force, "N", path);
+    writeArray(group, "rotation", table.rotation, "rad", path);
+    writeArray(group, "kinetic_mass", table.kinetic_mass, "kg", path);
+    writeArray(group, "coupled_mass", table.coupled_mass, "kg", path);
     common::hdf5::writeProvenance(file, provenance, path);
   });
 }

@@ -92,6 +92,17 @@ Eigen::VectorXd Coordinates::expand(const Eigen::VectorXd& z, const Eigen::Vecto
   return place.y;
 }
 
+Eigen::VectorXd Coordinates::freePart(const Eigen::VectorXd& y, const Eigen::VectorXd& rotations) const {
+  const Eigen::VectorXd own = linear_.freePart(y);
+  if (groups_.empty()) return own;
+  Eigen::VectorXd z(free_);
+  for (std::size_t k = 0; k < plain_.size(); ++k) {
+    if (plain_[k] >= 0) z(plain_[k]) = own(static_cast<Eigen::Index>(k));
+  }
+  z.tail(rotations.size()) = rotations;
+  return z;
+}
+
 Eigen::VectorXd Coordinates::pullBackInner(const Eigen::VectorXd& inner,
                                            const std::vector<RotationValue>& values) const {
   Eigen::VectorXd own = Eigen::VectorXd::Zero(free_);

@@ -49,6 +49,7 @@ struct Work {
                                                            vehicle::motorOutput(vehicle.radio, file.throttle));
     common::OutputFiles files;
     files.reads({file.file, vehicle.file, vehicle.arm.density_file, vehicle.arm.table_file}, "a file of the trial");
+    if (vehicle.hasWing()) files.reads({vehicle.wing.layout_file, vehicle.wing.table_file}, "a file of the wing");
     files.fills(options.folder, "--output");
     for (const char* name : {"series.csv", "series.h5", "summary.json", "checkpoint.bin"}) {
       files.writes(path(name), "--output");
@@ -58,7 +59,11 @@ struct Work {
   std::string hash() const {
     return common::sha256(common::version() + ";" + file.sha256 + ";" + vehicle.sha256 + ";" +
                           common::sha256OfFile(vehicle.arm.density_file) + ";" +
-                          common::sha256OfFile(vehicle.arm.table_file));
+                          common::sha256OfFile(vehicle.arm.table_file) + wings());
+  }
+  std::string wings() const {
+    if (!vehicle.hasWing()) return "";
+    return ";" + common::sha256OfFile(vehicle.wing.layout_file) + ";" + common::sha256OfFile(vehicle.wing.table_file);
   }
 
   const Options& options;
@@ -113,15 +118,6 @@ int runLumped(const Work& work) {
   return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }
 
-/// A rung without wings must not leave them out silently.
-void requireNoWings(const Work& work) {
-  if (rom::wingsAct(work.file.trial, work.vehicle.hasWing())) {
-    throw common::Error("wings is " + vehicle::wingsName(work.file.trial.wings) + " in " + work.file.file +
-                        ": they act in this trial, and rung " + motion::rungName(work.file.rung) +
-                        " has none; allowed: wings: off, or rung: lumped");
-  }
-}
-
 class Progress {
  public:
   Progress(const Work& work, double last) : work_(work), last_(last) {}
@@ -166,6 +162,46 @@ ordered_json outcomeJson(const motion::AxisOutcome& o) {
           {"factorizations", o.factorizations}};
 }
 
+ordered_json barJson(const solver::RigidMass& mass) {
+  return {{"mass", mass.mass},
+          {"first_moment", {mass.first(0), mass.first(1)}},
+          {"second_moment", mass.second.topLeftCorner<2, 2>().trace()}};
+}
+
+/// Of one wing, about the axle in the frame of the wing's table. [m], [kg], [kg m], [kg m2], [N m]
+ordered_json linkageJson(const motion::WingLinkage& w, const motion::AxisSettings& axis) {
+  const auto point = [](const Eigen::Vector2d& x) { return ordered_json{x(0), x(1)}; };
+  return {{"auxiliary", point(w.auxiliary())},
+          {"joint1", point(w.joint1())},
+          {"joint2", point(w.joint2())},
+          {"crank", barJson(w.mass(motion::WingLinkage::CRANK))},
+          {"wing", barJson(w.mass(motion::WingLinkage::WING))},
+          {"rocker", barJson(w.mass(motion::WingLinkage::ROCKER))},
+          {"friction_left", axis.friction_left * w.frictionMoment(true)},
+          {"friction_right", axis.friction_right * w.frictionMoment(false)},
+          {"blade_error", w.bladeError()},
+          {"follow", axis.wings_follow_travel ? "travel" : "arm"}};
+}
+
+/// What any other code needs beside the static curve to do the same.
+ordered_json bodiesJson(const Work& work, const motion::AxisVehicle& vehicle) {
+  const vehicle::VehicleParameters& p = work.parameters;
+  const motion::WingLinkage* wing = vehicle.linkage();
+  const double wings = wing != nullptr ? 2 * wing->totalMass() : 0;
+  const bool boom = work.file.trial.mount == vehicle::Mount::BOOM;
+  return {{"ring_mass", p.ring_mass - vehicle.armMass() - wings + (boom ? p.boom_mass : 0)},
+          {"centre_mass", p.centre_mass},
+          {"arms_mass", vehicle.armMass()},
+          {"ring_drag", p.ring_drag + (boom ? p.boom_drag : 0)},
+          {"centre_drag", p.centre_drag},
+          {"damping_of_travel", p.damping},
+          {"max_thrust", p.max_thrust},
+          {"idle_fraction", work.idle},
+          {"latency", p.latency},
+          {"time_constant_up", p.time_constant_up},
+          {"time_constant_down", p.time_constant_down}};
+}
+
 ordered_json modelJson(const Work& work, const motion::AxisVehicle& vehicle) {
   const motion::TrialFile& f = work.file;
   const motion::StaticCurve& curve = vehicle.curve();
@@ -177,8 +213,8 @@ ordered_json modelJson(const Work& work, const motion::AxisVehicle& vehicle) {
           {"largest_step", f.steps.largest_step},
           {"step_error", f.steps.error},
           {"damping", motion::dampingName(f.axis.damping)},
-          {"damping_of_travel", work.parameters.damping},
-          {"arms_mass", vehicle.armMass()},
+          {"bodies", bodiesJson(work, vehicle)},
+          {"linkage", vehicle.linkage() != nullptr ? linkageJson(*vehicle.linkage(), work.file.axis) : ordered_json(nullptr)},
           {"static_barrier", curve.barrier()},
           {"static_valley_force", curve.valleyForce() / vehicle.shareOfVehicle()},
           {"static_second_equilibrium", curve.second()},
@@ -188,7 +224,7 @@ ordered_json modelJson(const Work& work, const motion::AxisVehicle& vehicle) {
 void writeRecord(const Work& work, const motion::AxisVehicle& vehicle, const motion::AxisRun& run,
                  const ordered_json& summary) {
   common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(run.samples));
-  motion::saveSeries(run.samples, vehicle.curve(), 1 / vehicle.shareOfVehicle(),
+  motion::saveSeries(run.samples, vehicle,
                      {{"trial", work.file.name},
                       {"trial_sha256", work.file.sha256},
                       {"vehicle_sha256", work.vehicle.sha256},
@@ -217,11 +253,13 @@ void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
 }
 
 int runSolid(const Work& work) {
-  requireNoWings(work);
   const double cpu_before = cpuSeconds();
   motion::AxisSettings axis = work.file.axis;
   axis.threads = work.options.threads;
-  const motion::AxisVehicle vehicle(work.vehicle, work.parameters, work.file.trial, axis);
+  vehicle::Trial surroundings = work.file.trial;
+  surroundings.wings = rom::wingsAct(work.file.trial, work.vehicle.hasWing());
+  const motion::AxisVehicle vehicle(work.vehicle, work.parameters, surroundings, axis,
+                                    vehicle::wingTableOf(work.vehicle, work.table));
   const motion::AxisTrial trial = motion::AxisTrial::of(work.file.start, work.fraction, work.file.duration,
                                                         work.parameters, work.idle, work.file.trial);
   motion::Stepper stepper(vehicle.problem(), motion::Scheme(work.file.scheme, work.file.points, work.file.bias),

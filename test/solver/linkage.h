@@ -27,6 +27,36 @@ struct Pin {
   Eigen::Vector2d at;
 };
 
+inline const std::vector<Bar> PENDULUM = {{{0, 0}, {0.1, 0}, 0.12}, {{0.1, 0}, {0.1, -0.14}, 0.2}};
+inline const std::vector<Pin> HUNG = {{"shoulder", 0, -1, {0, 0}}, {"elbow", 1, 0, {0.1, 0}}};
+
+/// Crank 30, coupler 80, rocker 60 mm on ground pivots 70 mm apart: the crank goes round.
+struct FourBar {
+  double crank = 0.03, coupler = 0.08, rocker = 0.06, ground = 0.07;
+  /// Angles of coupler and rocker against x at one of the crank.
+  Eigen::Vector2d others(double theta) const {
+    const Eigen::Vector2d a(crank * std::cos(theta), crank * std::sin(theta)), b(ground, 0), d = b - a;
+    const double r = d.norm();
+    const double alpha = std::acos((coupler * coupler + r * r - rocker * rocker) / (2 * coupler * r));
+    const double phi = std::atan2(d(1), d(0)) + alpha;
+    const Eigen::Vector2d c = a + coupler * Eigen::Vector2d(std::cos(phi), std::sin(phi));
+    return {phi, std::atan2(c(1), c(0) - ground)};
+  }
+  std::vector<Bar> bars(double theta) const {
+    const Eigen::Vector2d o = others(theta);
+    const Eigen::Vector2d a(crank * std::cos(theta), crank * std::sin(theta)), g(ground, 0);
+    const Eigen::Vector2d c = g + rocker * Eigen::Vector2d(std::cos(o(1)), std::sin(o(1)));
+    return {{Eigen::Vector2d::Zero(), a, 0.05}, {a, c, 0.09}, {g, c, 0.07}};
+  }
+  std::vector<Pin> pins(double theta) const {
+    const std::vector<Bar> b = bars(theta);
+    return {{"ground left", 0, -1, b[0].from},
+            {"crank pin", 0, 1, b[0].to},
+            {"rocker pin", 1, 2, b[1].to},
+            {"ground right", 2, -1, b[2].from}};
+  }
+};
+
 /// Weight of all bars: linear in c and E.
 class Weights : public Term {
  public:

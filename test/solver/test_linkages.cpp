@@ -1,5 +1,5 @@
-// Rigid bodies in pins and closed chains: the term and its derivatives, what is redundant, and motion against ordinary
-// differential equations in the angles.
+// Rigid bodies in pins and closed chains: the term and its derivatives, and what is redundant. In time:
+// test/motion/test_linkages_in_time.cpp.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -14,40 +14,11 @@ namespace snapwing::solver {
 namespace {
 
 using testing_linkages::Bar;
-using testing_linkages::GRAVITY;
+using testing_linkages::FourBar;
 using testing_linkages::Linkage;
 using testing_linkages::makeLinkage;
+using testing_linkages::PENDULUM;
 using testing_linkages::Pin;
-
-const std::vector<Bar> PENDULUM = {{{0, 0}, {0.1, 0}, 0.12}, {{0.1, 0}, {0.1, -0.14}, 0.2}};
-const std::vector<Pin> HUNG = {{"shoulder", 0, -1, {0, 0}}, {"elbow", 1, 0, {0.1, 0}}};
-
-/// Crank 30, coupler 80, rocker 60 mm on ground pivots 70 mm apart: the crank goes round.
-struct FourBar {
-  double crank = 0.03, coupler = 0.08, rocker = 0.06, ground = 0.07;
-  /// Angles of coupler and rocker against x at one of the crank.
-  Eigen::Vector2d others(double theta) const {
-    const Eigen::Vector2d a(crank * std::cos(theta), crank * std::sin(theta)), b(ground, 0), d = b - a;
-    const double r = d.norm();
-    const double alpha = std::acos((coupler * coupler + r * r - rocker * rocker) / (2 * coupler * r));
-    const double phi = std::atan2(d(1), d(0)) + alpha;
-    const Eigen::Vector2d c = a + coupler * Eigen::Vector2d(std::cos(phi), std::sin(phi));
-    return {phi, std::atan2(c(1), c(0) - ground)};
-  }
-  std::vector<Bar> bars(double theta) const {
-    const Eigen::Vector2d o = others(theta);
-    const Eigen::Vector2d a(crank * std::cos(theta), crank * std::sin(theta)), g(ground, 0);
-    const Eigen::Vector2d c = g + rocker * Eigen::Vector2d(std::cos(o(1)), std::sin(o(1)));
-    return {{Eigen::Vector2d::Zero(), a, 0.05}, {a, c, 0.09}, {g, c, 0.07}};
-  }
-  std::vector<Pin> pins(double theta) const {
-    const std::vector<Bar> b = bars(theta);
-    return {{"ground left", 0, -1, b[0].from},
-            {"crank pin", 0, 1, b[0].to},
-            {"rocker pin", 1, 2, b[1].to},
-            {"ground right", 2, -1, b[2].from}};
-  }
-};
 
 /// Residual, Hessian and rows of a problem with constraints against differences, at multipliers that are not zero.
 void checkLagrangian(const Problem& problem, const Eigen::VectorXd& z, double scale) {
@@ -142,186 +113,6 @@ TEST(Linkage, WhatCannotHoldTogetherIsRefusedByName) {
   } catch (const common::Error& e) {
     EXPECT_NE(std::string(e.what()).find("'first'"), std::string::npos) << e.what();
     EXPECT_NE(std::string(e.what()).find("cannot hold together"), std::string::npos) << e.what();
-  }
-}
-
-/// Steps of the midpoint family with the mean pull-back, through the solver of equilibria.
-class Stepper {
- public:
-  Stepper(const Linkage& linkage, double h) : linkage_(linkage), h_(h), context_(std::make_shared<StepContext>()) {
-    x_.z = Eigen::VectorXd::Zero(linkage.problem->freeCount());
-    const Constraints* constraints = linkage.problem->constraints();
-    x_.multipliers = Eigen::VectorXd::Zero(constraints != nullptr ? constraints->count() : 0);
-    y = linkage.problem->coordinates().expand(x_.z, Eigen::VectorXd());
-    v = Eigen::VectorXd::Zero(y.size());
-    step_ = std::make_unique<StepProblem>(linkage.problem, context_, nullptr);
-    NewtonSettings settings;
-    settings.relative_tolerance = 1e-12;
-    solver_ = std::make_unique<EquilibriumSolver>(*step_, settings, ControlLine{Eigen::VectorXd(), Eigen::VectorXd()});
-  }
-  Eigen::VectorXd y, v;
-  int iterations = 0;
-
-  void run(int steps) {
-    for (int k = 0; k < steps && !::testing::Test::HasFatalFailure(); ++k) step();
-  }
-
- private:
-  void step() {
-    const Coordinates& coordinates = linkage_.problem->coordinates();
-    context_ = std::make_shared<StepContext>();
-    context_->step = {h_, 2 / (h_ * h_), y, v, Eigen::VectorXd(), {{0.5, 1.0}}};
-    auto start = std::make_shared<Coordinates::Place>();
-    coordinates.at(x_.z, Eigen::VectorXd(), references_.get(), *start);
-    context_->mean_with = start;
-    step_->setStep(context_, references_);
-    const NewtonResult result = solver_->minimise(x_);
-    ASSERT_TRUE(result.converged()) << result.message;
-    iterations += result.iterations;
-    v = 2 * (x_.at.place.y - y) / h_ - v;
-    y = x_.at.place.y;
-    references_ = coordinates.renew(x_.z, references_.get());
-  }
-
-  const Linkage& linkage_;
-  double h_;
-  std::shared_ptr<StepContext> context_;
-  std::unique_ptr<StepProblem> step_;
-  std::unique_ptr<EquilibriumSolver> solver_;
-  std::shared_ptr<const References> references_;
-  Equilibrium x_;
-};
-
-/// Runge and Kutta's fourth order. @return state after `seconds`
-Eigen::VectorXd integrate(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& rate, Eigen::VectorXd x,
-                          double seconds, int steps) {
-  const double h = seconds / steps;
-  for (int k = 0; k < steps; ++k) {
-    const Eigen::VectorXd a = rate(x), b = rate(x + h / 2 * a), c = rate(x + h / 2 * b), d = rate(x + h * c);
-    x += h / 6 * (a + 2 * b + 2 * c + d);
-  }
-  return x;
-}
-
-/// Angles of both bars against x and their rates: Lagrange's equations of two compound pendulums.
-Eigen::VectorXd pendulumRate(const Eigen::VectorXd& x) {
-  const double l = 0.1, half = 0.05, arm = 0.07;  // of the first bar, to its centre, to the second's
-  const double m1 = PENDULUM[0].mass, m2 = PENDULUM[1].mass, difference = x(0) - x(1);
-  Eigen::Matrix2d mass;
-  mass(0, 0) = PENDULUM[0].inertia() + m1 * half * half + m2 * l * l;
-  mass(1, 1) = PENDULUM[1].inertia() + m2 * arm * arm;
-  mass(0, 1) = mass(1, 0) = m2 * l * arm * std::cos(difference);
-  const Eigen::Vector2d load(
-      -m2 * l * arm * std::sin(difference) * x(3) * x(3) - GRAVITY * (m1 * half + m2 * l) * std::cos(x(0)),
-      m2 * l * arm * std::sin(difference) * x(2) * x(2) - GRAVITY * m2 * arm * std::cos(x(1)));
-  Eigen::VectorXd rate(4);
-  rate << x(2), x(3), mass.inverse() * load;
-  return rate;
-}
-
-double apart(double a, double b) { return std::abs(std::remainder(a - b, 2 * std::acos(-1.0))); }
-
-TEST(Motion, DoublePendulumFollowsItsEquations) {
-  constexpr double SECONDS = 0.6, DOWN = -1.5707963267948966;
-  Eigen::VectorXd start(4);
-  start << 0, DOWN, 0, 0;
-  const Eigen::VectorXd end = integrate(pendulumRate, start, SECONDS, 20000);
-  EXPECT_GT(std::abs(end(0)), 0.3);
-  for (const bool keep : {false, true}) {
-    const Linkage linkage = makeLinkage(PENDULUM, HUNG, keep);
-    EXPECT_EQ(linkage.problem->constraints() != nullptr, keep);
-    double error[3], angle[3];
-    for (const int k : {0, 1, 2}) {
-      Stepper stepper(linkage, SECONDS / (300 << k));
-      stepper.run(300 << k);
-      angle[k] = linkage.angle(stepper.y, 1);
-      error[k] = std::max(apart(linkage.angle(stepper.y, 0), end(0)), apart(angle[k] + DOWN, end(1)));
-      const double energy = linkage.kinetic(stepper.v) + linkage.weights->energy(stepper.y);
-      // What rounding of inertia leaves of forces, kappa M y times 1e-16, works over a step's way.
-      EXPECT_NEAR(energy, linkage.weights->energy(0 * stepper.y), 1e-9 * linkage.kinetic(stepper.v));
-    }
-    EXPECT_NEAR(std::log2(error[1] / error[2]), 2, 0.1);
-    EXPECT_LT(apart((4 * angle[2] - angle[1]) / 3 + DOWN, end(1)), 2e-3 * error[2]) << "extrapolated";
-  }
-}
-
-TEST(Motion, KeptPinsMoveAsEliminatedOnes) {
-  Eigen::VectorXd end[2];
-  for (const bool keep : {false, true}) {
-    const Linkage linkage = makeLinkage(PENDULUM, HUNG, keep);
-    Stepper stepper(linkage, 2e-3);
-    stepper.run(100);
-    end[keep ? 1 : 0] = stepper.y;
-  }
-  EXPECT_LT((end[0] - end[1]).norm(), 1e-9 * end[0].norm());
-}
-
-/// The crank's angle alone: M q'' + M' q'^2 / 2 + V' = 0, with M and V of the geometry.
-TEST(Motion, ClosedFourBarGoesRoundAsItsEquationSays) {
-  constexpr double SECONDS = 0.5, START = 0.8, SPIN = 20;
-  const FourBar four;
-  const std::vector<Bar> bars = four.bars(START);
-  const auto centres = [&](double theta) {
-    const std::vector<Bar> now = four.bars(theta);
-    Eigen::VectorXd place(9);
-    for (int k = 0; k < 3; ++k) {
-      for (int i = 0; i < 2; ++i) place(2 * k + i) = 0.5 * (now[k].from(i) + now[k].to(i));
-      const Eigen::Vector2d along = now[k].to - now[k].from;
-      place(6 + k) = std::atan2(along(1), along(0));
-    }
-    return place;
-  };
-  const auto rates = [&](double theta) {  // by the crank's angle, to 1e-11
-    constexpr double H = 1e-3;
-    const auto slope = [&](double h) {
-      Eigen::VectorXd d = centres(theta + h) - centres(theta - h);
-      for (int k = 6; k < 9; ++k) d(k) = std::remainder(d(k), 2 * std::acos(-1.0));
-      return Eigen::VectorXd(d / (2 * h));
-    };
-    return Eigen::VectorXd((4 * slope(H) - slope(2 * H)) / 3);
-  };
-  const auto mass = [&](double theta) {
-    const Eigen::VectorXd r = rates(theta);
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-      sum += bars[k].mass * r.segment(2 * k, 2).squaredNorm() + bars[k].inertia() * r(6 + k) * r(6 + k);
-    }
-    return sum;
-  };
-  const auto rate = [&](const Eigen::VectorXd& x) {
-    constexpr double H = 2e-3;
-    const double by_angle =
-        (8 * (mass(x(0) + H) - mass(x(0) - H)) - mass(x(0) + 2 * H) + mass(x(0) - 2 * H)) / (12 * H);
-    double pull = 0;
-    const Eigen::VectorXd r = rates(x(0));
-    for (int k = 0; k < 3; ++k) pull += bars[k].mass * GRAVITY * r(2 * k + 1);
-    Eigen::VectorXd result(2);
-    result << x(1), -(0.5 * by_angle * x(1) * x(1) + pull) / mass(x(0));
-    return result;
-  };
-  const Eigen::VectorXd end = integrate(rate, Eigen::Vector2d(START, SPIN), SECONDS, 2000);
-  EXPECT_GT(end(0) - START, 2 * std::acos(-1.0)) << "more than a turn";
-  for (const bool keep : {false, true}) {
-    const Linkage linkage = makeLinkage(bars, four.pins(START), keep);
-    double error[2], angle[2];
-    for (const int k : {0, 1}) {
-      Stepper stepper(linkage, SECONDS / (500 << k));
-      const Eigen::VectorXd r = SPIN * rates(START);
-      for (int bar = 0; bar < 3; ++bar) {  // of c, the displacement of the origin, and of E
-        const Eigen::Vector2d centre = bars[bar].centre();
-        stepper.v.segment(2 * bar, 2) = r.segment(2 * bar, 2) - r(6 + bar) * Eigen::Vector2d(-centre(1), centre(0));
-        stepper.v.segment(6 + 4 * bar, 4) = testing_linkages::LENGTH * r(6 + bar) * Eigen::Vector4d(0, 1, -1, 0);
-      }
-      const double kinetic = linkage.kinetic(stepper.v);
-      EXPECT_NEAR(kinetic, 0.5 * mass(START) * SPIN * SPIN, 1e-9 * kinetic);
-      stepper.run(500 << k);
-      angle[k] = linkage.angle(stepper.y, 0);
-      error[k] = apart(angle[k] + START, end(0));
-      EXPECT_NEAR(linkage.kinetic(stepper.v) + linkage.weights->energy(stepper.y), kinetic, 1e-8 * kinetic);
-      EXPECT_LT(stepper.iterations, 8 * (500 << k));
-    }
-    EXPECT_NEAR(std::log2(error[0] / error[1]), 2, 0.1);
-    EXPECT_LT(apart((4 * angle[1] - angle[0]) / 3 + START, end(0)), 1e-2 * error[1]) << "extrapolated";
   }
 }
 

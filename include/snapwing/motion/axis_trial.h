@@ -48,10 +48,12 @@ struct AxisTrial {
 
 /// One row a step; all of the whole vehicle.
 struct AxisSample {
-  double time = 0;                                                    ///< [s]
-  double ring_position = 0, ring_speed = 0, centre_speed = 0;         ///< [m], [m/s]
-  double travel = 0, travel_rate = 0;                                 ///< [m], [m/s]
-  double arm_rotation = 0;                                            ///< [rad]
+  double time = 0;                                             ///< [s]
+  double ring_position = 0, ring_speed = 0, centre_speed = 0;  ///< [m], [m/s]
+  double travel = 0, travel_rate = 0;                          ///< [m], [m/s]
+  double arm_rotation = 0;                                     ///< [rad]
+  /// Rotations of the wings from rest [rad], and the largest angle between a crank and its arm; NaN without wings.
+  double wing_left = std::numeric_limits<double>::quiet_NaN(), wing_right = wing_left, hub_twist = wing_left;
   double thrust = 0;                                                  ///< [N]
   double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
   double step = 0;                                                    ///< [s]

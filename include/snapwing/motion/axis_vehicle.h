@@ -1,18 +1,22 @@
 #pragma once
-/// The vehicle along its thrust axis with one soft arm for all: a rigid ring and a rigid centre, joined by the arm as a
-/// solid, with the arm's share of all masses and forces. Full coordinates are the nodes' displacements in space, then
-/// the places of ring and centre [m], so that every mass is constant.
+/// The vehicle along its thrust axis with one soft arm for all that move alike: a rigid ring and a rigid centre, joined
+/// by the arm as a solid, with the arm's share of all masses and forces. Without wings that is one arm. With wings the
+/// arms that carry one are another than the others, and where left and right differ there are two of them. Full
+/// coordinates are the nodes' displacements in space, places and rotations of the wings' bars, then the places of ring
+/// and centre [m], so that every mass is constant.
 ///
 /// What is in: the arm's own inertia, its large rotation and every mode of it; rotor lag; gravity along the axis; drag
 /// of ring and centre; on a boom its inertia, drag and friction at the tip; the upper stop with restitution; damping of
-/// the travel or of the material. leftOut() says what is not.
+/// the travel or of the material; the wings' linkages, whose load turns and bends the arm. leftOut() says what is not.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "snapwing/motion/static_curve.h"
 #include "snapwing/motion/stepper.h"
+#include "snapwing/motion/wing_assembly.h"
 #include "snapwing/scene/arm_scene.h"
 #include "snapwing/solver/row.h"
 #include "snapwing/vehicle/force_table.h"
@@ -42,16 +46,25 @@ struct AxisSettings {
   DampingLaw damping = DampingLaw::TRAVEL;
   double stop_stiffness = 5e4;    ///< [N/m] of the upper stop; assumption, as the restitution
   double stop_restitution = 0.5;  ///< [1] in (0, 1]
+  /// [N m] by which a wing's crank is held in the mean rotation of its arm within 4 mm of the axle: an assumption,
+  /// stiff
+  double hub_stiffness = 1000;
+  double hub_radius = 0.004;  ///< [m] of the arm's material about the axle in whose rotation the crank is held
+  bool wings_follow_travel =
+      false;  ///< true: tied to the static path's rotation at the travel, the lumped model's rule
+  double friction_left = 1, friction_right = 1;  ///< [1] times the friction of that wing's pins
   int threads = 1;
 };
 
 class AxisVehicle {
  public:
   /// @param parameters  of this vehicle, from vehicle::realise: masses, drag, damping c, force_scale
-  /// @param trial       mount, gravity, push. @throws common::Error for wings (not in this rung), a ring that is
-  /// lighter than its arms, an arm that is not bistable
+  /// @param trial       mount, gravity, push; wings on
+  /// @param wing        table of the wings, needed if they are on. @throws common::Error for wings on a boom, a ring
+  /// that is lighter than its arms and wings, an arm that is not bistable
   AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
-              const vehicle::Trial& trial, const AxisSettings& settings);
+              const vehicle::Trial& trial, const AxisSettings& settings,
+              const std::optional<vehicle::WingTable>& wing = {});
 
   std::shared_ptr<const solver::TermProblem> problem() const { return problem_; }
   /// Control of the problem is the thrust of the whole vehicle [N].
@@ -62,6 +75,9 @@ class AxisVehicle {
   /// The static curve with the arm's inertia as a table of one arm, without provenance: what the lumped model needs to
   /// be compared with this solid and not with another.
   vehicle::ForceTable staticTable() const;
+  /// The same of the wings as they are here. @throws common::Error without wings
+  vehicle::WingTable staticWingTable() const;
+  const WingLinkage* linkage() const { return linkage_.get(); }  ///< null without wings
 
   /// At rest in the equilibrium of a mode under the trial's loads before the pulse, moving with its initial speed.
   /// @param thrust  [N] of the vehicle; @param held  false if the mode is no equilibrium under these loads
@@ -72,8 +88,12 @@ class AxisVehicle {
   double centreSpeed(const MotionState& s) const { return s.v(centre_); }
   double travel(const MotionState& s) const { return ringPosition(s) - s.y(centre_); }
   double travelRate(const MotionState& s) const { return ringSpeed(s) - centreSpeed(s); }
-  /// Rotation of the arm about its axle [rad].
+  /// Rotation of the (left) arm about its axle [rad].
   double armRotation(const MotionState& s) const;
+  /// Rotation of a wing from rest [rad]; NaN without wings.
+  double wingAngle(const MotionState& s, bool left) const;
+  /// Largest angle between a crank and its arm [rad]; 0 without wings.
+  double hubTwist(const MotionState& s) const;
   /// Momentum along the axis / mass of all that moves [m/s].
   double commonSpeed(const MotionState& s, const Stepper& stepper) const;
   /// Deformed cells in the ring's frame, as VTU text.
@@ -85,12 +105,21 @@ class AxisVehicle {
 
  private:
   Eigen::VectorXd inRingFrame(const MotionState& s) const;
-  solver::Reduction eliminate() const;
+  void addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p,
+                const std::optional<vehicle::WingTable>& wing);
+  void placeWings();
+  std::vector<std::shared_ptr<const solver::Term>> wingForces();
+  SmoothCurve staticRotation() const;
+  std::vector<solver::Equation> armEquations() const;
+  void join(solver::TermProblem::Parts& parts) const;
   solver::HessianLayout layout() const;
   Eigen::VectorXd armUp() const;  ///< the arm's nodes by 1 along the axis
   Eigen::VectorXd allUp() const;  ///< all that moves
   solver::Row travelRow() const;
-  std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p) const;
+  /// @param carried  mass of arms and wings, which is part of the ring's [kg]
+  std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p, double carried) const;
+  std::shared_ptr<const solver::Term> loads(const vehicle::VehicleParameters& p, double carried,
+                                            const Eigen::VectorXd& moved) const;
   std::shared_ptr<const solver::Term> damping(double c) const;
   template <int D>
   std::shared_ptr<const solver::Term> materialDampingIn(double beta) const;
@@ -103,9 +132,13 @@ class AxisVehicle {
   std::unique_ptr<scene::CompiledScene> scene_;
   std::unique_ptr<StaticCurve> curve_;
   double share_ = 1, arm_mass_ = 0;
-  int nodes_ = 0;  ///< coordinates of the arm's nodes
+  int nodes_ = 0;  ///< coordinates of the arms' nodes
   int ring_ = -1, centre_ = 0;
   int arms_ = 1;
+  std::vector<int> groups_;  ///< how many arms each that is modelled stands for; forces refer to one of the first
+  std::shared_ptr<const WingLinkage> linkage_;
+  WingAssembly wings_;
+  std::vector<std::shared_ptr<const HubTerm>> hubs_;
   std::shared_ptr<const solver::TermProblem> problem_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
-/// Steps in time of any sum of terms: Newton on each step, halved where it fails, chosen by a local error if asked for,
-/// with an account of energy. Every number is reproducible: same state, same bits.
+/// Steps in time of any sum of terms, with or without constraints that are kept as equations: Newton on each step,
+/// halved where it fails, chosen by a local error if asked for, with an account of energy. Every number is
+/// reproducible: same state, same bits.
 
 #include <functional>
 #include <memory>
@@ -8,7 +9,7 @@
 #include <vector>
 
 #include "snapwing/motion/scheme.h"
-#include "snapwing/solver/newton.h"
+#include "snapwing/solver/equilibrium.h"
 #include "snapwing/solver/term_problem.h"
 
 namespace snapwing::motion {
@@ -19,6 +20,7 @@ struct MotionState {
   Eigen::VectorXd z;                                     ///< free coordinates
   std::shared_ptr<const solver::References> references;  ///< of rotations; null: all 1
   Eigen::VectorXd y, v;                                  ///< full coordinates [m] and rates [m/s]
+  Eigen::VectorXd multipliers;   ///< of kept constraints, mean of the last step [N]; empty without, or where unknown
   Eigen::VectorXd acceleration;  ///< mean of the last step [m/s2]; empty at the start and after jumps
   double last_step = 0;          ///< [s] that it was
   double next_step = 0;          ///< [s] that the error asks for; 0: the largest
@@ -72,7 +74,9 @@ class Stepper {
   ~Stepper();
 
   /// At rest, or moving with `rate`, at free coordinates. @param rate  full [m/s]; empty: at rest
-  MotionState start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& rate = {}) const;
+  /// @param references  of rotations; null: all 1
+  MotionState start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& rate = {},
+                    std::shared_ptr<const solver::References> references = nullptr) const;
   /// One step, not beyond `until`; a step that fails is halved. A step whose error is too large is thrown away and done
   /// again. @throws common::Error saying when, where and why, if the smallest step fails; the state is then what it was
   StepAccount step(MotionState& state, double until, const ControlOf& control);
@@ -82,12 +86,12 @@ class Stepper {
   Eigen::VectorXd momentum(const Eigen::VectorXd& v) const { return momentumOf(*problem_, v); }
   double storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;  ///< [J]
   /// Forgets the factor and how earlier steps went: what follows depends on the state alone, as in a resumed run.
-  void restart() { newton_->restart(); }
+  void restart() { solver_->restart(); }
   const solver::TermProblem& problem() const { return *problem_; }
   const Scheme& scheme() const { return scheme_; }
-  double secondsAssembly() const { return newton_->secondsAssembly(); }
-  double secondsFactor() const { return newton_->cholesky().secondsFactor(); }
-  double secondsSolve() const { return newton_->cholesky().secondsSolve(); }
+  double secondsAssembly() const { return solver_->secondsAssembly(); }
+  double secondsFactor() const { return solver_->cholesky().secondsFactor(); }
+  double secondsSolve() const { return solver_->cholesky().secondsSolve(); }
   int totalIterations() const { return iterations_; }
   int totalFactorizations() const { return factorizations_; }
 
@@ -102,7 +106,7 @@ class Stepper {
   Scheme scheme_;
   StepperSettings settings_;
   std::unique_ptr<solver::StepProblem> step_problem_;
-  std::unique_ptr<solver::Newton> newton_;
+  std::unique_ptr<solver::EquilibriumSolver> solver_;
   double total_mass_ = 0;  ///< [kg] summed over coordinates
   int iterations_ = 0, factorizations_ = 0;
   mutable solver::Sum sum_;

@@ -46,6 +46,8 @@ class Coordinates {
   /// y alone.
   Eigen::VectorXd expand(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
                          const References* references = nullptr) const;
+  /// Free coordinates that have the linear part of y, with the rotations' last coordinates given [m].
+  Eigen::VectorXd freePart(const Eigen::VectorXd& y, const Eigen::VectorXd& rotations) const;
   /// J^T f, J = dy/dz. [N] for f in N
   Eigen::VectorXd pullBack(const Place& at, const Eigen::VectorXd& full) const;
   /// C J of rows C over full coordinates, (rows x free).

@@ -65,6 +65,8 @@ class EquilibriumSolver {
     newton_.forget();
     return linearise(x);
   }
+  /// Forgets the factor as well: what follows is what a new object would do.
+  void restart() { newton_.restart(); }
   /// The same for a point close to where the last factor belongs to: without a new factor if the Hessian has changed by
   /// less than a hundredth (Cholesky::distance), which leaves the inertia what it was.
   int lineariseNear(Equilibrium& x);

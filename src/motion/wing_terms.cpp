@@ -1,0 +1,228 @@
+#include "snapwing/motion/wing_terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/plain_text.h"
+
+namespace snapwing::motion {
+
+using solver::Order;
+using solver::Sum;
+
+namespace {
+
+void require(bool good, const std::string& term, const std::string& what, double value, const std::string& allowed) {
+  if (good) return;
+  throw common::Error("term '" + term + "': " + what + " is " + common::toText(value) + "; allowed: " + allowed);
+}
+
+/// Adds a symmetric matrix to the first couple of the term that is evaluated.
+void addCouple(const Eigen::MatrixXd& block, Sum& sum) {
+  int place = (*sum.couples)[0];
+  for (Eigen::Index column = 0; column < block.cols(); ++column) {
+    for (Eigen::Index row = column; row < block.rows(); ++row) sum.hessian[place++] += block(row, column);
+  }
+}
+
+bool exact(Order order) { return order == Order::TANGENT; }
+
+/// Of atan2(b, a) by (a, b), also where a^2 + b^2 is not L^2: in the middle of a step.
+struct AngleSlope {
+  Eigen::Vector2d first;
+  Eigen::Matrix2d second;
+};
+
+AngleSlope slopeOf(const Turning& body, const Eigen::VectorXd& y) {
+  const double a = body.length + y(body.cosine), b = y(body.sine), square = a * a + b * b;
+  AngleSlope out;
+  out.first = Eigen::Vector2d(-b, a) / square;
+  out.second << 2 * a * b, b * b - a * a, b * b - a * a, -2 * a * b;
+  out.second /= square * square;
+  return out;
+}
+
+}  // namespace
+
+double Turning::angle(const Eigen::VectorXd& y) const { return std::atan2(y(sine), length + y(cosine)); }
+
+HubTerm::HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, const std::vector<int>& nodes, int carrier,
+                 const Turning& body, double stiffness)
+    : name_(std::move(name)), body_(body), stiffness_(stiffness) {
+  require(stiffness > 0 && std::isfinite(stiffness), name_, "stiffness", stiffness, "> 0 N m");
+  require(!nodes.empty(), name_, "number of nodes", 0, "at least 1");
+  const auto count = static_cast<Eigen::Index>(2 * nodes.size() + (carrier >= 0 ? 1 : 0));
+  sine_ = cosine_ = Eigen::VectorXd::Zero(count);
+  Eigen::Index k = 0;
+  for (const int node : nodes) {
+    // Rotation by x and y of a node at (X, Y) from the point is (-Y, X) / N, stretch (X, Y) / N.
+    sine_.segment<2>(k) = rotation_at_rest.segment<2>(node);
+    cosine_.segment<2>(k) = Eigen::Vector2d(rotation_at_rest(node + 1), -rotation_at_rest(node));
+    coordinates_.push_back(node), coordinates_.push_back(node + 1);
+    k += 2;
+  }
+  if (carrier >= 0) {
+    for (Eigen::Index n = 1; n < k; n += 2) sine_(k) -= sine_(n), cosine_(k) -= cosine_(n);
+    coordinates_.push_back(carrier);
+  }
+  coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
+}
+
+Eigen::VectorXd HubTerm::pick(const Eigen::VectorXd& y) const {
+  Eigen::VectorXd own(sine_.size());
+  for (Eigen::Index k = 0; k < own.size(); ++k) own(k) = y(coordinates_[k]);
+  return own;
+}
+
+double HubTerm::twist(const Eigen::VectorXd& y) const {
+  const Eigen::VectorXd own = pick(y);
+  return std::remainder(std::atan2(sine_.dot(own), 1 + cosine_.dot(own)) - body_.angle(y), 2 * M_PI);
+}
+
+void HubTerm::evaluate(const solver::Point& at, Order order, Sum& sum) const {
+  const Eigen::VectorXd own = pick(at.y);
+  const Eigen::Index soft = own.size();
+  const double s = sine_.dot(own), c = 1 + cosine_.dot(own), length = body_.length;
+  const double a = (length + at.y(body_.cosine)) / length, b = at.y(body_.sine) / length;
+  const double g = s * a - c * b, energy = 0.5 * stiffness_ * g * g;
+  sum.energy += energy;
+  sum.stored += energy;
+  if (order == Order::ENERGY) return;
+  Eigen::VectorXd slope(soft + 2);
+  slope.head(soft) = a * sine_ - b * cosine_;
+  slope(soft) = s / length;
+  slope(soft + 1) = -c / length;
+  const double force = stiffness_ * g;
+  for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(coordinates_[k]) += force * slope(k);
+  sum.noteForce(std::abs(force) * slope.norm());
+  sum.noteRounding(std::numeric_limits<double>::epsilon() * stiffness_ * slope.norm());
+  if (!elasticity::withTangent(order)) return;
+  Eigen::MatrixXd block = stiffness_ * slope * slope.transpose();
+  if (exact(order)) {
+    block.row(soft).head(soft) += force / length * sine_.transpose();
+    block.col(soft).head(soft) += force / length * sine_;
+    block.row(soft + 1).head(soft) -= force / length * cosine_.transpose();
+    block.col(soft + 1).head(soft) -= force / length * cosine_;
+  }
+  addCouple(block, sum);
+}
+
+PinFriction::PinFriction(std::string name, std::vector<Turning> bodies, double moment, double rate)
+    : name_(std::move(name)), bodies_(std::move(bodies)), moment_(moment), rate_(rate) {
+  require(bodies_.size() == 1 || bodies_.size() == 2, name_, "number of bodies", static_cast<double>(bodies_.size()),
+          "1 or 2");
+  require(moment >= 0 && std::isfinite(moment), name_, "moment", moment, ">= 0 N m");
+  require(rate > 0 && std::isfinite(rate), name_, "rate", rate, "> 0 rad/s");
+  for (const Turning& body : bodies_) coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
+}
+
+void PinFriction::evaluate(const solver::Point& at, Order order, Sum& sum) const {
+  if (at.step == nullptr) return;
+  const double h = at.step->h;
+  const auto count = static_cast<Eigen::Index>(coordinates_.size());
+  double turned = 0;
+  Eigen::VectorXd slope(count);
+  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const double sign = k == 0 ? 1 : -1;
+    turned += sign * std::remainder(bodies_[k].angle(at.y) - bodies_[k].angle(at.step->y0), 2 * M_PI);
+    const AngleSlope own = slopeOf(bodies_[k], at.y);
+    const auto first = static_cast<Eigen::Index>(2 * k);
+    slope.segment<2>(first) = sign * own.first;
+    second.block<2, 2>(first, first) = sign * own.second;
+  }
+  const double w = turned / h, root = std::hypot(w, rate_);
+  sum.energy += h * moment_ * (root - rate_);
+  if (order == Order::ENERGY) return;
+  const double force = moment_ * w / root;
+  for (Eigen::Index k = 0; k < count; ++k) sum.gradient(coordinates_[k]) += force * slope(k);
+  sum.noteForce(std::abs(force) * slope.norm());
+  if (!elasticity::withTangent(order)) return;
+  Eigen::MatrixXd block = moment_ * rate_ * rate_ / (root * root * root * h) * slope * slope.transpose();
+  if (exact(order)) block += force * second;
+  addCouple(block, sum);
+}
+
+SmoothCurve::SmoothCurve(std::vector<double> x, std::vector<double> value, std::vector<double> slope)
+    : x_(std::move(x)), value_(std::move(value)), slope_(std::move(slope)) {
+  bool good = x_.size() >= 2 && x_.size() == value_.size() && (slope_.empty() || slope_.size() == x_.size());
+  for (std::size_t k = 1; good && k < x_.size(); ++k) good = x_[k] > x_[k - 1];
+  if (!good) {
+    throw common::Error("a curve through " + std::to_string(x_.size()) +
+                        " points; allowed: at least 2 that increase, with one value each");
+  }
+  const std::size_t last = x_.size() - 1;
+  for (std::size_t k = slope_.size(); k <= last; ++k) {
+    const std::size_t a = k == 0 ? 0 : k - 1, b = std::min(k + 1, last);
+    slope_.push_back((value_[b] - value_[a]) / (x_[b] - x_[a]));
+  }
+}
+
+SmoothCurve::Value SmoothCurve::at(double x) const {
+  const double inside = std::clamp(x, x_.front(), x_.back());
+  const auto upper = std::upper_bound(x_.begin() + 1, x_.end() - 1, inside);
+  const auto k = static_cast<std::size_t>(upper - x_.begin());
+  const double h = x_[k] - x_[k - 1], t = (inside - x_[k - 1]) / h, r = 1 - t;
+  const double e0 = value_[k - 1], e1 = value_[k], s0 = h * slope_[k - 1], s1 = h * slope_[k];
+  Value out;
+  out.value = r * r * (1 + 2 * t) * e0 + t * t * (3 - 2 * t) * e1 + t * r * (r * s0 - t * s1);
+  out.first = (6 * t * r * (e1 - e0) + r * (1 - 3 * t) * s0 - t * (2 - 3 * t) * s1) / h;
+  out.second = ((6 - 12 * t) * (e1 - e0) + (6 * t - 4) * s0 + (6 * t - 2) * s1) / (h * h);
+  if (x != inside) out.value += out.first * (x - inside), out.second = 0;
+  return out;
+}
+
+void AngleEnergy::evaluate(const solver::Point& at, Order order, Sum& sum) const {
+  const SmoothCurve::Value now = energy_.at(body_.angle(at.y));
+  sum.energy += now.value;
+  sum.stored += now.value;
+  if (order == Order::ENERGY) return;
+  const AngleSlope own = slopeOf(body_, at.y);
+  const Eigen::Vector2d force = now.first * own.first;
+  sum.gradient(body_.cosine) += force(0);
+  sum.gradient(body_.sine) += force(1);
+  sum.noteForce(force.norm());
+  if (!elasticity::withTangent(order)) return;
+  const double kept = exact(order) ? now.second : std::max(0.0, now.second);
+  Eigen::Matrix2d block = kept * own.first * own.first.transpose();
+  if (exact(order)) block += now.first * own.second;
+  addCouple(block, sum);
+}
+
+TravelHub::TravelHub(std::string name, const Turning& body, solver::Row travel, SmoothCurve curve, double stiffness)
+    : name_(std::move(name)),
+      body_(body),
+      travel_(std::move(travel)),
+      curve_(std::move(curve)),
+      stiffness_(stiffness),
+      coordinates_(travel_.coordinates()) {
+  require(stiffness > 0 && std::isfinite(stiffness), name_, "stiffness", stiffness, "> 0 N m");
+  coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
+}
+
+void TravelHub::evaluate(const solver::Point& at, Order order, Sum& sum) const {
+  const SmoothCurve::Value wanted = curve_.at(travel_.dot(at.y));
+  const double g = std::remainder(body_.angle(at.y) - wanted.value, 2 * M_PI);
+  const double energy = 0.5 * stiffness_ * g * g, moment = stiffness_ * g;
+  sum.energy += energy;
+  sum.stored += energy;
+  if (order == Order::ENERGY) return;
+  const AngleSlope own = slopeOf(body_, at.y);
+  const Eigen::Index n = travel_.values().size();
+  Eigen::VectorXd slope(n + 2);
+  slope << -wanted.first * travel_.values(), own.first;
+  for (Eigen::Index k = 0; k < n + 2; ++k) sum.gradient(coordinates_[k]) += moment * slope(k);
+  sum.noteForce(std::abs(moment) * slope.norm());
+  sum.noteRounding(std::numeric_limits<double>::epsilon() * stiffness_ * slope.norm());
+  if (!elasticity::withTangent(order)) return;
+  Eigen::MatrixXd block = stiffness_ * slope * slope.transpose();
+  if (exact(order)) {
+    block.topLeftCorner(n, n) -= moment * wanted.second * travel_.values() * travel_.values().transpose();
+    block.bottomRightCorner(2, 2) += moment * own.second;
+  }
+  addCouple(block, sum);
+}
+
+}  // namespace snapwing::motion

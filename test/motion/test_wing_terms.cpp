@@ -1,0 +1,94 @@
+// What joins a wing's bars with a soft arm and with each other: derivatives, and what each does.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "snapwing/common/error.h"
+#include "snapwing/motion/wing_terms.h"
+#include "support/term_check.h"
+
+namespace snapwing::motion {
+namespace {
+
+constexpr double L = 0.05;
+const Turning FIRST{0, 1, L}, SECOND{2, 3, L};
+
+/// Entries of two bodies at angles a and b, a little off the circle as in the middle of a step.
+Eigen::VectorXd at(double a, double b, double stretch = 1) {
+  Eigen::VectorXd y(4);
+  y << L * (stretch * std::cos(a) - 1), L * stretch * std::sin(a), L * (std::cos(b) - 1), L * std::sin(b);
+  return y;
+}
+
+solver::Step stepFrom(const Eigen::VectorXd& y0) {
+  solver::Step step;
+  step.h = 2e-3;
+  step.kappa = 2 / (step.h * step.h);
+  step.y0 = y0;
+  step.v0 = 0 * y0;
+  return step;
+}
+
+TEST(PinFriction, IsATermAndHoldsAgainstTheTurning) {
+  const solver::Step step = stepFrom(at(0.4, -0.2));
+  const PinFriction pin("pin", {FIRST, SECOND}, 2e-4, 0.6);
+  test::TermCase c{solver::HessianLayout(4), {at(0.45, -0.1, 0.99), at(0.4, -0.21), at(0.4, -0.2)}};
+  c.step = &step;
+  c.scale = 1e-5;
+  test::checkTerm(pin, c);
+  EXPECT_THROW(PinFriction("pin", {}, 1, 1), common::Error);
+  EXPECT_THROW(PinFriction("pin", {FIRST}, -1, 1), common::Error);
+  EXPECT_THROW(PinFriction("pin", {FIRST}, 1, 0), common::Error);
+}
+
+TEST(AngleEnergy, IsATermWithinAndBeyondItsPoints) {
+  const AngleEnergy flexure("flexure", FIRST, SmoothCurve({-0.1, 0.2, 0.5, 1}, {1e-4, 0, 3e-4, 2e-3}));
+  test::checkTerm(flexure, {solver::HessianLayout(4), {at(0.31, 0), at(0.62, 0, 0.98), at(1.4, 0), at(-0.4, 0)}});
+  EXPECT_THROW(SmoothCurve({0, 0}, {0, 0}), common::Error);
+  EXPECT_THROW(SmoothCurve({0}, {0}), common::Error);
+  const SmoothCurve line({0, 1, 3}, {0, 2, 6});
+  EXPECT_NEAR(line.at(1.7).value, 3.4, 1e-12);
+  EXPECT_NEAR(line.at(5).value, 10, 1e-12);
+}
+
+TEST(TravelHub, IsATerm) {
+  const SmoothCurve curve({0, 0.02, 0.05}, {0, 0.4, 0.9});
+  const TravelHub hub("hub", {0, 1, L}, solver::Row({{2, 1.0}, {3, -1.0}}), curve, 30);
+  Eigen::VectorXd y = at(0.4, 0);
+  y(2) = 0.035, y(3) = 0.012;
+  Eigen::VectorXd beyond = y;
+  beyond(2) = 0.08;
+  test::checkTerm(hub, {solver::HessianLayout(4), {y, beyond}});
+  EXPECT_THROW(TravelHub("hub", {0, 1, L}, solver::Row({{2, 1.0}}), curve, 0), common::Error);
+}
+
+/// Four nodes on a circle of 4 mm, then the body, then what carries the nodes along y.
+TEST(HubTerm, IsATermAndMeasuresTheAngleBetweenArmAndCrank) {
+  constexpr double R = 0.004, K = 20;
+  const int full = 8 + 4 + 1, ring = 12;
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(full);
+  const auto place = [&](int n) { return Eigen::Vector2d(R * std::cos(1.6 * n + 0.3), R * std::sin(1.6 * n + 0.3)); };
+  double square = 0;
+  for (int n = 0; n < 4; ++n) square += place(n).squaredNorm();
+  for (int n = 0; n < 4; ++n) gradient.segment<2>(2 * n) = Eigen::Vector2d(-place(n)(1), place(n)(0)) / square;
+  const HubTerm hub("hub", gradient, {0, 2, 4, 6}, ring, {8, 9, L}, K);
+  const auto posed = [&](double arm, double crank, double rise) {
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(full);
+    for (int n = 0; n < 4; ++n) {
+      const Eigen::Vector2d x = place(n);
+      y.segment<2>(2 * n) = Eigen::Vector2d(std::cos(arm) * x(0) - std::sin(arm) * x(1),
+                                            std::sin(arm) * x(0) + std::cos(arm) * x(1) + rise) -
+                            x;
+    }
+    y(8) = L * (std::cos(crank) - 1), y(9) = L * std::sin(crank), y(ring) = rise;
+    return y;
+  };
+  EXPECT_NEAR(hub.twist(posed(0.9, 0.87, 0.3)), 0.03, 1e-12);
+  test::checkTerm(hub,
+                  {solver::HessianLayout(full), {posed(0.9, 0.87, 0.3), posed(-0.2, 0.1, 0), posed(0.5, 0.51, 0.1)}});
+  EXPECT_THROW(HubTerm("hub", gradient, {}, ring, {8, 9, L}, K), common::Error);
+  EXPECT_THROW(HubTerm("hub", gradient, {0}, ring, {8, 9, L}, 0), common::Error);
+}
+
+}  // namespace
+}  // namespace snapwing::motion
