@@ -1,10 +1,10 @@
-// Ring, centre and both wings' linkages in Simbody: what `snapwing trial` computes with `wings_follow: travel`, by another
-// code. Reads the plain numbers that `run` writes, prints one row every millisecond:
+// Ring, centre and both wings' linkages in Simbody: what `snapwing trial` computes with `wings_follow: travel`, by
+// another code. Reads the plain numbers that `run` writes, prints one row every millisecond:
 //   time, travel, ring's place, left wing's angle, right wing's angle.
 //
-// The arms are their force curve as a custom force. Their inertia K(u), S(u) is a body that slides by h(u), h' = S/m, and a
-// wheel that turns by w(u), w'^2 = (K - S^2/m)/J, both coupled to the travel. A crank's angle is coupled to it as well; the
-// linkage is closed by a constraint of Simbody's own.
+// The arms are their force curve as a custom force. Their inertia K(u), S(u) is a body that slides by h(u), h' = S/m,
+// and a wheel that turns by w(u), w'^2 = (K - S^2/m)/J, both coupled to the travel. A crank's angle is coupled to it as
+// well; the linkage is closed by a constraint of Simbody's own.
 #include <Simbody.h>
 
 #include <array>
@@ -85,7 +85,8 @@ double thrustAt(const Input& in, double t) {
 
 class Forces : public Force::Custom::Implementation {
  public:
-  Forces(const Input& in, MobilizedBody::Slider ring, MobilizedBody::Slider travel, std::array<Wing, 2> wings, Spline force)
+  Forces(const Input& in, MobilizedBody::Slider ring, MobilizedBody::Slider travel, std::array<Wing, 2> wings,
+         Spline force)
       : in_(in), ring_(ring), travel_(travel), wings_(std::move(wings)), force_(std::move(force)) {}
   void calcForce(const State& s, Vector_<SpatialVec>& bodies, Vector_<Vec3>&, Vector& mobility) const override {
     const double v = ring_.getOneU(s, 0), rate = travel_.getOneU(s, 0), centre = v - rate;
@@ -144,10 +145,10 @@ int main(int argc, char** argv) {
   MobilizedBody::Slider travel(ring, Transform(down), centre_body, Transform(down));
 
   const auto couple = [&](const MobilizedBody& follower, const std::vector<double>& values) {
-    Constraint::CoordinateCoupler(matter, new Follows(splineOf(u, values)),
-                                  Array_<MobilizedBodyIndex>{travel.getMobilizedBodyIndex(),
-                                                             follower.getMobilizedBodyIndex()},
-                                  Array_<MobilizerQIndex>{MobilizerQIndex(0), MobilizerQIndex(0)});
+    Constraint::CoordinateCoupler(
+        matter, new Follows(splineOf(u, values)),
+        Array_<MobilizedBodyIndex>{travel.getMobilizedBodyIndex(), follower.getMobilizedBodyIndex()},
+        Array_<MobilizerQIndex>{MobilizerQIndex(0), MobilizerQIndex(0)});
   };
   MobilizedBody::Slider arms(ring, Transform(up), Body::Rigid(MassProperties(in["arms_mass"], Vec3(0), Inertia(1e-3))),
                              Transform(up));
