@@ -191,7 +191,7 @@ void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
       std::make_shared<const solver::Coordinates>(split.eliminated, settings_.dimension, wings_.rotations());
   if (split.kept.count() == 0) return;
   parts.constraints =
-      std::make_shared<const solver::Constraints>(split.kept, solver::Drive::MULTIPLIERS, share_ * PENALTY, GAP);
+      std::make_shared<const solver::Constraints>(split.kept, solver::Enforcement::MULTIPLIERS, share_ * PENALTY, GAP);
 }
 
 /// Node blocks of the arm; ring and centre are coupled by terms alone.

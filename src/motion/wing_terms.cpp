@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "snapwing/common/error.h"
-#include "snapwing/common/plain_text.h"
+#include "snapwing/common/require.h"
 
 namespace snapwing::motion {
 
@@ -14,10 +14,7 @@ using solver::Sum;
 
 namespace {
 
-void require(bool good, const std::string& term, const std::string& what, double value, const std::string& allowed) {
-  if (good) return;
-  throw common::Error("term '" + term + "': " + what + " is " + common::toText(value) + "; allowed: " + allowed);
-}
+std::string asker(const std::string& term) { return "term '" + term + "'"; }
 
 /// Adds a symmetric matrix to the first couple of the term that is evaluated.
 void addCouple(const Eigen::MatrixXd& block, Sum& sum) {
@@ -51,8 +48,8 @@ double Turning::angle(const Eigen::VectorXd& y) const { return std::atan2(y(sine
 HubTerm::HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, const std::vector<int>& nodes, int carrier,
                  const Turning& body, double stiffness)
     : name_(std::move(name)), body_(body), stiffness_(stiffness) {
-  require(stiffness > 0 && std::isfinite(stiffness), name_, "stiffness", stiffness, "> 0 N m");
-  require(!nodes.empty(), name_, "number of nodes", 0, "at least 1");
+  common::Require(asker(name_))(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0 N m");
+  common::Require(asker(name_))(!nodes.empty(), "number of nodes", 0, "at least 1");
   const auto count = static_cast<Eigen::Index>(2 * nodes.size() + (carrier >= 0 ? 1 : 0));
   sine_ = cosine_ = Eigen::VectorXd::Zero(count);
   Eigen::Index k = 0;
@@ -111,10 +108,10 @@ void HubTerm::evaluate(const solver::Point& at, Order order, Sum& sum) const {
 
 PinFriction::PinFriction(std::string name, std::vector<Turning> bodies, double moment, double rate)
     : name_(std::move(name)), bodies_(std::move(bodies)), moment_(moment), rate_(rate) {
-  require(bodies_.size() == 1 || bodies_.size() == 2, name_, "number of bodies", static_cast<double>(bodies_.size()),
-          "1 or 2");
-  require(moment >= 0 && std::isfinite(moment), name_, "moment", moment, ">= 0 N m");
-  require(rate > 0 && std::isfinite(rate), name_, "rate", rate, "> 0 rad/s");
+  common::Require(asker(name_))(bodies_.size() == 1 || bodies_.size() == 2, "number of bodies",
+                                static_cast<double>(bodies_.size()), "1 or 2");
+  common::Require(asker(name_))(moment >= 0 && std::isfinite(moment), "moment", moment, ">= 0 N m");
+  common::Require(asker(name_))(rate > 0 && std::isfinite(rate), "rate", rate, "> 0 rad/s");
   for (const Turning& body : bodies_) coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
 }
 
@@ -198,7 +195,7 @@ TravelHub::TravelHub(std::string name, const Turning& body, solver::Row travel, 
       curve_(std::move(curve)),
       stiffness_(stiffness),
       coordinates_(travel_.coordinates()) {
-  require(stiffness > 0 && std::isfinite(stiffness), name_, "stiffness", stiffness, "> 0 N m");
+  common::Require(asker(name_))(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0 N m");
   coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
 }
 

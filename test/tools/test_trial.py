@@ -59,7 +59,7 @@ class Trial(Case):
                               (("start: F", "start: R"), ("start", "R", "F")),
                               (("mount: boom", "mount: rope"), ("mount", "rope", "boom")),
                               (("rung: planar", "rung: exact"), ("rung", "exact", "planar")),
-                              (("mount: boom", "mount: free"), ("wings", "wings: off")),
+                              (("mount: boom", "mount: boom\nwings: on"), ("wings", "boom", "wings off")),
                               (("initial_thrust: 0", "initial_thrust: .nan"), ("initial_thrust",)),
                               (("rung: planar", "rung: planar\nhand: {}"), ("hand",)),
                               (("thrust: 0.5, ", ""), ("throttle", "missing")),
