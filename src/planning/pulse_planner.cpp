@@ -41,7 +41,7 @@ std::string describeCorner(const BoxPoint& point, const std::vector<ParameterInf
 /// Best pulse that passed through the check, and how it did there.
 struct BestPulse {
   vehicle::Pulse pulse;
-  FleetOutcome outcome;
+  BoxEnsembleOutcome outcome;
 };
 
 BestPulse findBest(PulseSearch& search, const PlannerSettings& settings) {
@@ -54,7 +54,7 @@ BestPulse findBest(PulseSearch& search, const PlannerSettings& settings) {
   int idle_rounds = 0;
   for (int round = 0; round < ROUNDS && !search.cancelled(); ++round) {
     candidate = search.refine(search.bestCandidate());
-    const FleetOutcome checked = search.check(candidate);
+    const BoxEnsembleOutcome checked = search.check(candidate);
     const double gain = search.value(candidate, checked) - search.value(best.pulse, best.outcome);
     if (gain > 0) best = {candidate, checked};
     // Enough, or two rounds that brought nothing.
@@ -67,18 +67,19 @@ BestPulse findBest(PulseSearch& search, const PlannerSettings& settings) {
 
 /// Fills in what was found, accepted or not.
 void describe(PulseSearch& search, const BestPulse& best, const vehicle::Trial& trial, TransitionPlan* plan) {
-  const Fleet& fleet = search.checkedFleet();
-  const FleetOutcome& outcome = best.outcome;
+  const BoxEnsemble& ensemble = search.checkedEnsemble();
+  const BoxEnsembleOutcome& outcome = best.outcome;
   plan->pulse = best.pulse;
   plan->worst_margin = outcome.worst;
   plan->realisations = outcome.tried;
   plan->share_switched = static_cast<double>(outcome.switched) / outcome.tried;
-  plan->nominal = fleet.predict(0, plan->start_mode, best.pulse, trial);
-  plan->worst = fleet.predict(outcome.worst_index, plan->start_mode, best.pulse, trial);
+  plan->nominal = ensemble.predict(0, plan->start_mode, best.pulse, trial);
+  plan->worst = ensemble.predict(outcome.worst_index, plan->start_mode, best.pulse, trial);
   // The worst vehicle is asked again, by the integrator that conserves energy: the smaller margin counts.
-  plan->worst_margin = std::min(plan->worst_margin, fleet.margin(plan->worst.energy_margin, plan->worst.peak_travel));
-  plan->worst_parameters = fleet.model(outcome.worst_index).parameters();
-  plan->worst_coordinates = fleet.point(outcome.worst_index);
+  plan->worst_margin =
+      std::min(plan->worst_margin, ensemble.margin(plan->worst.energy_margin, plan->worst.peak_travel));
+  plan->worst_parameters = ensemble.model(outcome.worst_index).parameters();
+  plan->worst_coordinates = ensemble.point(outcome.worst_index);
   plan->influences = search.influences(best.pulse, &plan->vertex_margin);
   plan->evaluations = search.evaluations();
   plan->predictions = search.predictions();
@@ -140,7 +141,7 @@ TransitionPlan PulsePlanner::plan(vehicle::Mode start, vehicle::Mode target, con
   const BestPulse best = findBest(search, settings_);
   if (search.cancelled()) return refused(plan, "cancelled");
   describe(search, best, trial, &plan);
-  plan.thrust_fraction = search.checkedFleet().model(0).thrustFraction(vehicle_.radio, plan.pulse.throttle);
+  plan.thrust_fraction = search.checkedEnsemble().model(0).thrustFraction(vehicle_.radio, plan.pulse.throttle);
   const std::string reason = describeFailure(plan);
   std::stable_sort(plan.influences.begin(), plan.influences.end(), [](const auto& a, const auto& b) {
     return std::abs(a.high_margin - a.low_margin) > std::abs(b.high_margin - b.low_margin);
@@ -162,7 +163,7 @@ std::vector<RankedVehicle> PulsePlanner::weakest(vehicle::Mode start, const vehi
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return margins[a] < margins[b]; });
   order.resize(std::min<std::size_t>(order.size(), static_cast<std::size_t>(std::max(0, count))));
   std::vector<RankedVehicle> result;
-  for (const int k : order) result.push_back({search.checkedFleet().point(k), margins[k]});
+  for (const int k : order) result.push_back({search.checkedEnsemble().point(k), margins[k]});
   return result;
 }
 
@@ -174,10 +175,10 @@ OutcomeMap PulsePlanner::map(vehicle::Mode start, const vehicle::Trial& trial, i
   map.start_mode = start;
   const PlannerSettings& s = settings_;
   const int n = static_cast<int>(plannerCoordinateNames().size());
-  Fleet fleet(vehicle_, table_, curves_, s, s.model_step);
-  fleet.add(BoxPoint(n, 0.0));
-  fleet.add(sobolPoints(n, s.search_samples, 1));
-  map.realisations = fleet.size();
+  BoxEnsemble ensemble(vehicle_, table_, curves_, s, s.model_step);
+  ensemble.add(BoxPoint(n, 0.0));
+  ensemble.add(sobolPoints(n, s.search_samples, 1));
+  map.realisations = ensemble.size();
   for (int i = 0; i < throttles; ++i) map.throttles.push_back(gridValue(s.throttle_min, s.throttle_max, i, throttles));
   for (int j = 0; j < durations; ++j) map.durations.push_back(gridValue(s.duration_min, s.duration_max, j, durations));
   map.cells.resize(static_cast<std::size_t>(throttles) * durations);
@@ -185,7 +186,7 @@ OutcomeMap PulsePlanner::map(vehicle::Mode start, const vehicle::Trial& trial, i
   int done = 0;
   common::parallelFor(throttles * durations, s.threads, [&](int k) {
     const vehicle::Pulse pulse{map.throttles[k / durations], map.durations[k % durations]};
-    const FleetOutcome outcome = fleet.tryPulse(start, pulse, trial, -INFINITY, 1);
+    const BoxEnsembleOutcome outcome = ensemble.tryPulse(start, pulse, trial, -INFINITY, 1);
     map.cells[k] = {pulse.throttle, pulse.duration, static_cast<double>(outcome.switched) / outcome.tried,
                     outcome.worst};
     const std::lock_guard<std::mutex> lock(telling);

@@ -20,11 +20,11 @@ PulseSearch::PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTa
       start_(start),
       trial_(trial),
       cancelled_(cancelled),
-      fleet_(vehicle, table, curves, settings, settings.model_step),
+      ensemble_(vehicle, table, curves, settings, settings.model_step),
       checked_(vehicle, table, curves, settings, settings.model.step) {
   const int n = static_cast<int>(plannerCoordinateNames().size());
-  fleet_.add(BoxPoint(n, 0.0));
-  fleet_.add(sobolPoints(n, settings.search_samples, 1));
+  ensemble_.add(BoxPoint(n, 0.0));
+  ensemble_.add(sobolPoints(n, settings.search_samples, 1));
   checked_.add(BoxPoint(n, 0.0));
   checked_.add(sobolPoints(n, settings.verify_samples, 1 + settings.search_samples));
   // Both ends of each number alone: a cliff right at an end hides from any number of samples.
@@ -38,13 +38,13 @@ void PulseSearch::scan() {
   for (int row = 0; row < s.scan_throttles && !cancelled(); ++row) {
     // A row shares the bound known before it, so that the threads' order does not matter.
     const double give_up = std::min(best_value, 0.0);
-    std::vector<FleetOutcome> outcomes(s.scan_durations);
+    std::vector<BoxEnsembleOutcome> outcomes(s.scan_durations);
     const double throttle = gridValue(s.throttle_max, s.throttle_min, row, s.scan_throttles);
     const auto pulseAt = [&](int j) {
       return vehicle::Pulse{throttle, gridValue(s.duration_min, s.duration_max, j, s.scan_durations)};
     };
     common::parallelFor(s.scan_durations, s.threads,
-                        [&](int j) { outcomes[j] = fleet_.tryPulse(start_, pulseAt(j), trial_, give_up, 1); });
+                        [&](int j) { outcomes[j] = ensemble_.tryPulse(start_, pulseAt(j), trial_, give_up, 1); });
     for (int j = 0; j < s.scan_durations; ++j) {
       ++evaluations_;
       predictions_ += outcomes[j].tried;
@@ -62,7 +62,7 @@ vehicle::Pulse PulseSearch::bestCandidate() {
   vehicle::Pulse best{settings_.throttle_max, settings_.duration_max};
   double best_value = -INFINITY;
   for (const vehicle::Pulse& pulse : candidates_) {
-    const FleetOutcome outcome = fleet_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
+    const BoxEnsembleOutcome outcome = ensemble_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
     ++evaluations_;
     predictions_ += outcome.tried;
     const double v = value(pulse, outcome);
@@ -74,13 +74,13 @@ vehicle::Pulse PulseSearch::bestCandidate() {
   return best;
 }
 
-void PulseSearch::learn(const vehicle::Pulse& pulse, const FleetOutcome& checked) {
+void PulseSearch::learn(const vehicle::Pulse& pulse, const BoxEnsembleOutcome& checked) {
   std::vector<int> order(checked.margins.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return checked.margins[a] < checked.margins[b]; });
   order.resize(std::min<std::size_t>(order.size(), LEARNED));
   for (const int index : order) {
-    if (checked.margins[index] < settings_.enough_margin) fleet_.add(checked_.point(index));
+    if (checked.margins[index] < settings_.enough_margin) ensemble_.add(checked_.point(index));
   }
   candidates_.push_back(pulse);
 }
@@ -109,8 +109,8 @@ vehicle::Pulse PulseSearch::refine(const vehicle::Pulse& from) {
         PulseSearch& search = *c.search;
         if (search.cancelled()) c.optimiser->force_stop();
         const vehicle::Pulse pulse{x[0], x[1]};
-        const FleetOutcome outcome =
-            search.fleet_.tryPulse(search.start_, pulse, search.trial_, -INFINITY, search.settings_.threads);
+        const BoxEnsembleOutcome outcome =
+            search.ensemble_.tryPulse(search.start_, pulse, search.trial_, -INFINITY, search.settings_.threads);
         ++search.evaluations_;
         search.predictions_ += outcome.tried;
         const double v = search.value(pulse, outcome);
@@ -137,7 +137,7 @@ vehicle::Pulse PulseSearch::refine(const vehicle::Pulse& from) {
 std::vector<ParameterInfluence> PulseSearch::influences(const vehicle::Pulse& pulse, double* vertex_margin) {
   const std::vector<std::string> names = plannerCoordinateNames();
   const int n = static_cast<int>(names.size());
-  Fleet axes = checked_.emptyCopy();
+  BoxEnsemble axes = checked_.emptyCopy();
   axes.add(axisPoints(n));
   const std::vector<double> margins = axes.tryPulse(start_, pulse, trial_, -INFINITY, settings_.threads).margins;
   predictions_ += 2 * n;
@@ -148,7 +148,7 @@ std::vector<ParameterInfluence> PulseSearch::influences(const vehicle::Pulse& pu
     vertex[i] = margins[2 * i] < margins[2 * i + 1] ? -1.0 : 1.0;
   }
   if (vertex_margin) {
-    Fleet corner = checked_.emptyCopy();
+    BoxEnsemble corner = checked_.emptyCopy();
     corner.add(vertex);
     *vertex_margin = corner.tryPulse(start_, pulse, trial_, -INFINITY, 1).worst;
     ++predictions_;
@@ -166,12 +166,12 @@ void PulseSearch::addCorners(const vehicle::Pulse& pulse) {
   });
   order.resize(std::min<std::size_t>(order.size(), settings_.corner_parameters));
   const std::vector<BoxPoint> corners = cornerPoints(static_cast<int>(effects.size()), order);
-  fleet_.add(corners);
+  ensemble_.add(corners);
   checked_.add(corners);
 }
 
-FleetOutcome PulseSearch::check(const vehicle::Pulse& pulse) {
-  const FleetOutcome outcome = checked_.tryPulse(start_, pulse, trial_, -INFINITY, settings_.threads);
+BoxEnsembleOutcome PulseSearch::check(const vehicle::Pulse& pulse) {
+  const BoxEnsembleOutcome outcome = checked_.tryPulse(start_, pulse, trial_, -INFINITY, settings_.threads);
   ++evaluations_;
   predictions_ += outcome.tried;
   return outcome;

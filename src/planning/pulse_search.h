@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "fleet.h"
+#include "box_ensemble.h"
 
 namespace snapwing::planning {
 
@@ -14,7 +14,7 @@ inline double gridValue(double low, double high, int index, int count) {
   return count > 1 ? low + (high - low) * index / (count - 1) : low;
 }
 
-/// One search: the fleet grows by what the check finds.
+/// One search: the ensemble grows by what the check finds.
 class PulseSearch {
  public:
   /// All references must outlive the search.
@@ -28,23 +28,23 @@ class PulseSearch {
   vehicle::Pulse bestCandidate();
   /// NLopt from a pulse.
   vehicle::Pulse refine(const vehicle::Pulse& from);
-  /// Effects of single parameters; adds the corners of those that matter most to both fleets.
+  /// Effects of single parameters; adds the corners of those that matter most to both ensembles.
   void addCorners(const vehicle::Pulse& pulse);
   std::vector<ParameterInfluence> influences(const vehicle::Pulse& pulse, double* vertex_margin);
   /// Full check with fresh realisations.
-  FleetOutcome check(const vehicle::Pulse& pulse);
+  BoxEnsembleOutcome check(const vehicle::Pulse& pulse);
   /// Takes the worst of a check into the search.
-  void learn(const vehicle::Pulse& pulse, const FleetOutcome& checked);
+  void learn(const vehicle::Pulse& pulse, const BoxEnsembleOutcome& checked);
 
   /// What is maximised: worst margin (of the share that must switch), capped where there is enough of it, less the
   /// price of the impulse.
-  double value(const vehicle::Pulse& pulse, const FleetOutcome& outcome) const {
+  double value(const vehicle::Pulse& pulse, const BoxEnsembleOutcome& outcome) const {
     const double margin = outcome.reached(settings_.required_share);
     if (!(margin > 0)) return margin;
     return std::min(margin, settings_.enough_margin) - settings_.impulse_price * pulse.throttle * pulse.duration;
   }
   bool cancelled() const { return cancelled_ && cancelled_(); }
-  const Fleet& checkedFleet() const { return checked_; }
+  const BoxEnsemble& checkedEnsemble() const { return checked_; }
   int evaluations() const { return evaluations_; }
   long predictions() const { return predictions_; }
 
@@ -53,7 +53,7 @@ class PulseSearch {
   vehicle::Mode start_;
   const vehicle::Trial& trial_;
   const std::function<bool()>& cancelled_;
-  Fleet fleet_, checked_;
+  BoxEnsemble ensemble_, checked_;
   std::vector<vehicle::Pulse> candidates_;
   int evaluations_ = 0;
   long predictions_ = 0;

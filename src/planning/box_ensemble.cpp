@@ -1,4 +1,4 @@
-#include "fleet.h"
+#include "box_ensemble.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +16,8 @@ rom::LumpedSettings withStep(rom::LumpedSettings settings, double step) {
 
 }  // namespace
 
-Fleet::Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
-             const PlannerSettings& settings, double step)
+BoxEnsemble::BoxEnsemble(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                         const rom::VehicleCurves& curves, const PlannerSettings& settings, double step)
     : vehicle_(vehicle),
       table_(table),
       curves_(curves),
@@ -25,7 +25,7 @@ Fleet::Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, 
       model_settings_(withStep(settings.model, step)),
       ensemble_(curves, vehicle.radio, {model_settings_}) {}
 
-void Fleet::add(const BoxPoint& point) {
+void BoxEnsemble::add(const BoxPoint& point) {
   const BoxPoint parameters(point.begin(), point.end() - 1);
   const vehicle::VehicleParameters p = vehicle::realise(vehicle_, table_, parameters);
   parameters_.push_back(p);
@@ -33,24 +33,24 @@ void Fleet::add(const BoxPoint& point) {
   points_.push_back(point);
 }
 
-void Fleet::add(const std::vector<BoxPoint>& points) {
+void BoxEnsemble::add(const std::vector<BoxPoint>& points) {
   for (const BoxPoint& point : points) add(point);
 }
 
-rom::LumpedModel Fleet::model(int index) const {
+rom::LumpedModel BoxEnsemble::model(int index) const {
   return curves_.model(vehicle_.radio, parameters_[index], model_settings_);
 }
 
-vehicle::Pulse Fleet::received(int index, const vehicle::Pulse& pulse) const {
+vehicle::Pulse BoxEnsemble::received(int index, const vehicle::Pulse& pulse) const {
   return receivedPulse(pulse, settings_, vehicle_.radio, points_[index].back());
 }
 
-rom::SnapPrediction Fleet::predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,
-                                   const vehicle::Trial& trial) const {
+rom::SnapPrediction BoxEnsemble::predict(int index, vehicle::Mode start, const vehicle::Pulse& pulse,
+                                         const vehicle::Trial& trial) const {
   return model(index).predict(start, received(index, pulse), vehicle_.radio, trial);
 }
 
-double Fleet::margin(double energy_margin, double peak_travel) const {
+double BoxEnsemble::margin(double energy_margin, double peak_travel) const {
   if (settings_.allow_out_of_table) return energy_margin;
   // Stretched beyond the table or the stop by 10 mm costs as much as missing the whole barrier: the energy stored there
   // is a guess. The other end does not count: what the model does not know there, a stop, only takes energy away.
@@ -58,7 +58,7 @@ double Fleet::margin(double energy_margin, double peak_travel) const {
   return beyond > 0 ? std::min(energy_margin, -beyond / 0.010) : energy_margin;
 }
 
-double FleetOutcome::reached(double share) const {
+double BoxEnsembleOutcome::reached(double share) const {
   const auto allowed = static_cast<std::size_t>((1.0 - share) * static_cast<double>(margins.size()) + 1e-9);
   if (allowed == 0) return worst;
   std::vector<double> sorted = margins;
@@ -66,10 +66,10 @@ double FleetOutcome::reached(double share) const {
   return sorted[allowed];
 }
 
-FleetOutcome Fleet::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
-                             double give_up, int threads) const {
+BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
+                                         double give_up, int threads) const {
   constexpr int BLOCK = 16, LANES = 8;
-  FleetOutcome outcome;
+  BoxEnsembleOutcome outcome;
   outcome.worst = INFINITY;
   std::vector<double> durations(size());
   for (int i = 0; i < size(); ++i) durations[i] = received(i, pulse).duration;

@@ -1,5 +1,5 @@
 #pragma once
-/// A fleet of vehicles, one for each point of the uncertainty box, on which pulses are tried. Private to the floor.
+/// Vehicles, one for each point of the uncertainty box, on which pulses are tried. Private to the floor.
 
 #include <vector>
 
@@ -11,8 +11,8 @@
 
 namespace snapwing::planning {
 
-/// Outcome of one pulse over a fleet.
-struct FleetOutcome {
+/// Outcome of one pulse over an ensemble.
+struct BoxEnsembleOutcome {
   double worst = 0;     ///< smallest margin among those tried
   int worst_index = 0;  ///< who had it
   int switched = 0;     ///< how many ended in the target mode
@@ -22,14 +22,14 @@ struct FleetOutcome {
   double reached(double share) const;
 };
 
-class Fleet {
+class BoxEnsemble {
  public:
   /// Keeps references. @param table  of one arm; @param curves  made of it and the wings; @param step  of the model [s]
-  Fleet(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
-        const PlannerSettings& settings, double step);
+  BoxEnsemble(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
+              const PlannerSettings& settings, double step);
 
-  /// A fleet of the same kind without vehicles.
-  Fleet emptyCopy() const { return Fleet(vehicle_, table_, curves_, settings_, model_settings_.step); }
+  /// An ensemble of the same kind without vehicles.
+  BoxEnsemble emptyCopy() const { return BoxEnsemble(vehicle_, table_, curves_, settings_, model_settings_.step); }
 
   /// Adds a vehicle. Its last coordinate is the pulse's length error, in frame_jitter frames.
   void add(const BoxPoint& point);
@@ -49,8 +49,8 @@ class Fleet {
 
   /// Tries a pulse on all vehicles, in order, eight side by side; if all must switch, gives up after a block whose
   /// worst is below `give_up`.
-  FleetOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial, double give_up,
-                        int threads) const;
+  BoxEnsembleOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
+                              double give_up, int threads) const;
 
  private:
   const vehicle::Vehicle& vehicle_;
