@@ -166,7 +166,11 @@ class PlanGate {
     if (full == nullptr || half == nullptr) return;
     checks_.push_back(within(name("planar: snap with the full less that with half the step"),
                              1e3 * (full->snap_time - half->snap_time), -STEP_ERROR, STEP_ERROR, "ms"));
-    checks_.push_back(told(name("planar: energy that the scheme fed or ate, at most"), 1e3 * full->imbalance, "mJ"));
+    for (const ValidationTrial& t : found_.trials) {
+      if (t.plan != plan_ || t.role != TrialRole::NOMINAL || t.trial.rung == TrialRung::LUMPED) continue;
+      checks_.push_back(told(name(motion::rungName(t.trial.rung) + ", " + roleName(t) + ": fed or eaten by the scheme"),
+                             1e3 * t.outcome.imbalance, "mJ", "largest at any time"));
+    }
     checks_.push_back(told(name("planar: smallest det F of a step"), full->min_det_f, "1"));
   }
 

@@ -138,7 +138,7 @@ double RungRunner::shortestLumped(const RungTrial& trial) const {
 }
 
 double RungRunner::shortestSolid(const RungTrial& trial, double near) const {
-  const motion::AxisVehicle solid(printed_, parametersOf(trial), trial.trial, settingsOf(trial));
+  const motion::AxisVehicle solid = solidOf(trial);
   RungTrial asked = trial;
   const double found = shortestNear(near, [&](double d) {
     asked.pulse.duration = d;
@@ -168,23 +168,20 @@ RungOutcome accounted(const Compute& compute) {
 
 }  // namespace
 
-void RungRunner::requireRung(const RungTrial& trial) const {
-  if (trial.rung == motion::TrialRung::LUMPED || !rom::wingsAct(trial.trial, vehicle_.hasWing())) return;
-  throw common::Error("wings act in this trial, and rung " + motion::rungName(trial.rung) + " has none");
+motion::AxisVehicle RungRunner::solidOf(const RungTrial& trial) const {
+  vehicle::Trial surroundings = trial.trial;
+  surroundings.wings = rom::wingsAct(trial.trial, vehicle_.hasWing());
+  return {printed_, parametersOf(trial), surroundings, settingsOf(trial), wing_};
 }
 
 RungOutcome RungRunner::run(const RungTrial& trial) const {
   return accounted([&](RungOutcome& out) {
-    requireRung(trial);
-    out = trial.rung == motion::TrialRung::LUMPED
-              ? runLumped(trial)
-              : runSolid(trial, motion::AxisVehicle(printed_, parametersOf(trial), trial.trial, settingsOf(trial)));
+    out = trial.rung == motion::TrialRung::LUMPED ? runLumped(trial) : runSolid(trial, solidOf(trial));
   });
 }
 
 RungOutcome RungRunner::shortest(const RungTrial& trial) const {
   return accounted([&](RungOutcome& out) {
-    requireRung(trial);
     const double lumped = shortestLumped(trial);
     out.threshold = trial.rung == motion::TrialRung::LUMPED ? lumped : shortestSolid(trial, lumped);
   });

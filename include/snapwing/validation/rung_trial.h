@@ -55,8 +55,7 @@ class RungRunner {
 
  private:
   RungOutcome runLumped(const RungTrial& trial) const;
-  /// @throws common::Error if the rung lacks what the trial needs
-  void requireRung(const RungTrial& trial) const;
+  motion::AxisVehicle solidOf(const RungTrial& trial) const;
   double shortestLumped(const RungTrial& trial) const;
   double shortestSolid(const RungTrial& trial, double near) const;
   RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const;
