@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "curve_options.h"
+#include "numbers.h"
 #include "prediction_json.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
@@ -19,6 +20,7 @@
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "trial_frames.h"
 
 namespace snapwing::tools {
 
@@ -30,6 +32,7 @@ using nlohmann::ordered_json;
 struct Options {
   std::string file, folder;
   int threads = 1;
+  double vtu_every = 0;  // [s]
   bool quiet = false, vtu = false;
 };
 
@@ -275,7 +278,12 @@ int runSolid(const Work& work) {
   progress.startsAt(run.state.time);
   const InterruptGuard guard;
   motion::AxisRunHooks hooks;
-  hooks.stepped = [&](const motion::AxisRun& now) { return progress(now); };
+  const TrialFrames frames(vehicle, work.options.folder, work.options.vtu_every);
+  frames.take(run);
+  hooks.stepped = [&](const motion::AxisRun& now) {
+    frames.take(now);
+    return progress(now);
+  };
   hooks.keep = [&](const motion::AxisRun& now) { motion::saveTrialCheckpoint(now, owner, checkpoint); };
   const bool ended = motion::runTrial(vehicle, stepper, trial, run, hooks);
   progress.end();
@@ -289,6 +297,7 @@ int runSolid(const Work& work) {
                             {"factor", stepper.secondsFactor()},
                             {"solve", stepper.secondsSolve()}};
   writeRecord(work, vehicle, run, summary);
+  frames.finish(run);
   if (!ended) {
     std::fprintf(stderr, "stopped at %.4f s; the same command goes on from the last checkpoint\n", run.state.time);
     return 1;
@@ -311,6 +320,9 @@ void addTrialCommand(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--vtu", options->vtu, "also write the deformed arm at the end, for ParaView");
+  command
+      ->add_option("--vtu-every", options->vtu_every, "a deformed arm every so often [s], and trial.pvd for ParaView")
+      ->check(realNumber(1e-4, 10, "s"));
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
       "Exit code: 0 settled in F or Q, 1 not settled or stopped, 2 bad input. The same command goes on "

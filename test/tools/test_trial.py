@@ -1,6 +1,7 @@
 """`snapwing trial`: its files, what it refuses, and that a killed run goes on to the same bits."""
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -53,6 +54,23 @@ class Trial(Case):
         self.assertTrue(checkpoint.exists(), "the run ended before it could be killed")
         self.snapwing("trial", path, "-o", "part", "-q")
         self.assertEqual((self.folder / "part" / "series.csv").read_bytes(), (self.folder / "whole" / "series.csv").read_bytes())
+
+    def test_frames_and_picture(self):
+        self.snapwing("trial", self.file("t.yaml", self.text()), "-o", "out", "-q", "--vtu-every", "0.1")
+        frames = sorted(p.name for p in (self.folder / "out").glob("frame_*.vtu"))
+        listed = re.findall(r'timestep="([0-9.e-]+)" file="([^"]+)"', (self.folder / "out" / "trial.pvd").read_text())
+        self.assertEqual([name for _, name in listed], frames)
+        self.assertGreaterEqual(len(frames), 5)
+        for k, (moment, name) in enumerate(listed):
+            self.assertEqual(name, f"frame_{k:04d}.vtu")
+            self.assertAlmostEqual(float(moment), 0.1 * k, delta=0.0021)
+        plot = ROOT / "scripts" / "plot_trial"
+        subprocess.run([plot, "out"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+        self.assertEqual((self.folder / "out" / "trial.png").read_bytes()[:4], b"\x89PNG")
+        none = subprocess.run([plot, "nowhere"], cwd=self.folder, stderr=subprocess.PIPE, check=False)
+        self.assertEqual(none.returncode, 2)
+        self.assertIn(b"nowhere", none.stderr)
+        self.assertNotIn(b"Traceback", none.stderr)
 
     def test_bad_trials_are_refused_by_key_value_and_range(self):
         for change, words in ((("duration: 0.06", "duration: -1"), ("pulse.duration", "-1", "0")),
