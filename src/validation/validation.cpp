@@ -8,6 +8,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/parallel.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/common/require.h"
 #include "snapwing/planning/uncertainty_points.h"
 #include "snapwing/validation/kept_results.h"
 
@@ -184,12 +185,13 @@ class TrialRuns {
 }  // namespace
 
 void ValidationSettings::validate() const {
-  common::requireWithin("validation", "planar_cell", planar_cell, 1e-4, 0.02);
-  common::requireWithin("validation", "solid_cell", solid_cell, 1e-4, 0.02);
-  common::requireWithin("validation", "weakest", weakest, 0, 500);
-  common::requireWithin("validation", "samples", samples, 0, 10000);
-  common::requireWithin("validation", "step", step, 1e-5, 0.02);
-  common::requireWithin("validation", "threads", threads, 1, 256);
+  const common::Require require("validation");
+  require.within("planar_cell", planar_cell, 1e-4, 0.02);
+  require.within("solid_cell", solid_cell, 1e-4, 0.02);
+  require.within("weakest", weakest, 0, 500);
+  require.within("samples", samples, 0, 10000);
+  require.within("step", step, 1e-5, 0.02);
+  require.within("threads", threads, 1, 256);
 }
 
 Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
