@@ -165,6 +165,7 @@ void AxisVehicle::placeWings() {
 std::vector<std::shared_ptr<const Term>> AxisVehicle::wingForces() {
   std::vector<std::shared_ptr<const Term>> out = wings_.pins();
   for (int wing = 0; wing < wings_.wingCount(); ++wing) {
+    if (settings_.wing_stop > 0) out.push_back(wings_.stop(wing, settings_.wing_stop));
     if (settings_.wings_follow_travel) {
       out.push_back(wings_.travelHub(wing, travelRow(), staticRotation(), settings_.hub_stiffness));
       continue;

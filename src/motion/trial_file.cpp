@@ -107,6 +107,7 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
   out.axis.stop_restitution = solid.numberOr("stop_restitution", out.axis.stop_restitution, {0.01, 1}, "1");
   out.axis.hub_stiffness = solid.numberOr("hub_stiffness", out.axis.hub_stiffness, {1, 1e6}, "N m");
   out.axis.hub_radius = solid.numberOr("hub_radius", out.axis.hub_radius, {1e-3, 0.1}, "m");
+  out.axis.wing_stop = solid.numberOr("wing_stop", out.axis.wing_stop, {0, 1e5}, "N m");
   if (solid.has("wings_follow")) {
     out.axis.wings_follow_travel = solid.choice("wings_follow", {"arm", "travel"}) == "travel";
   }

@@ -109,6 +109,13 @@ std::vector<std::shared_ptr<const Term>> WingAssembly::pins() const {
   return out;
 }
 
+std::shared_ptr<const Term> WingAssembly::stop(int wing, double stiffness) const {
+  const double k = wings_[wing].weight * stiffness;
+  // A cubic through these is k angle^2 / 2 below 0.
+  return std::make_shared<AngleEnergy>("stop of the wing", turning(wing, WingLinkage::WING),
+                                       SmoothCurve({-1, 0, 3}, {0.5 * k, 0, 0}, {-k, 0, 0}));
+}
+
 std::shared_ptr<const HubTerm> WingAssembly::hub(int wing, const Eigen::VectorXd& rotation_at_rest, int carrier,
                                                  double stiffness) const {
   std::vector<int> nodes;

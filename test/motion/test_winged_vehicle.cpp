@@ -157,6 +157,15 @@ TEST(WingedVehicle, TheWingsLoadTurnsTheSoftArmBack) {
   EXPECT_LT(flown.run.outcome.largest_imbalance, 1e-3);
 }
 
+TEST(WingedVehicle, AStopHoldsTheWingsAtRest) {
+  const Shipped s;
+  AxisSettings settings = coarse();
+  settings.wing_stop = 50;
+  const Flown flown = fly(s, settings, 0.583, 0.05, 0.1);
+  EXPECT_GT(flown.furthest_back, -0.02);
+  EXPECT_LT(flown.run.outcome.largest_imbalance, 1e-3);
+}
+
 /// That softness by itself: at rest with thrust, the wings' weight in the accelerating vehicle against a moment on the
 /// arm's material about its axle, solved by the static solver without any wing.
 TEST(WingedVehicle, ArmsRotationUnderTheWingsIsThatOfAStaticMoment) {

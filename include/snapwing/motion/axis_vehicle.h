@@ -51,7 +51,8 @@ struct AxisSettings {
   double hub_stiffness = 1000;
   double hub_radius = 0.004;  ///< [m] of the arm's material about the axle in whose rotation the crank is held
   bool wings_follow_travel =
-      false;  ///< true: tied to the static path's rotation at the travel, the lumped model's rule
+      false;             ///< true: tied to the static path's rotation at the travel, the lumped model's rule
+  double wing_stop = 0;  ///< [N m] per rad of a stop that keeps each wing from turning back past rest; 0: none
   double friction_left = 1, friction_right = 1;  ///< [1] times the friction of that wing's pins
   int threads = 1;
 };

@@ -33,6 +33,8 @@ class WingAssembly {
   std::vector<std::shared_ptr<const solver::Term>> inertia() const;
   /// Friction at the pins, each its own, and stored energy, if the bars have any.
   std::vector<std::shared_ptr<const solver::Term>> pins() const;
+  /// Keeps a wing from turning back past rest: a spring that acts below 0. @param stiffness  [N m] per rad > 0
+  std::shared_ptr<const solver::Term> stop(int wing, double stiffness) const;
   /// Joins the crank of a wing with its arm. @param rotation_at_rest  gradient of the arm's rotation by the coordinates
   std::shared_ptr<const HubTerm> hub(int wing, const Eigen::VectorXd& rotation_at_rest, int carrier,
                                      double stiffness) const;
