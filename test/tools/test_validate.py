@@ -36,8 +36,10 @@ class Validate(Case):
 
     def test_a_killed_run_goes_on_to_the_same_answer(self):
         path = self.vehicle()
-        self.snapwing("validate", path, "-o", "whole", *QUICK, code=(0, 1))
-        command = [os.environ["SNAPWING"], "validate", str(path), "-o", "part", *QUICK]
+        self.snapwing("plan", path, "--from", "F", "--json", "plan.json")
+        words = ("validate", str(path), "--plan", "plan.json", *QUICK)
+        self.snapwing(*words, "-o", "whole", code=(0, 1))
+        command = [os.environ["SNAPWING"], *words, "-o", "part"]
         child = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL)
         deadline = time.monotonic() + 120
         while len(list(self.folder.glob("part/trials/*.json"))) < 3 and child.poll() is None and time.monotonic() < deadline:
@@ -47,7 +49,7 @@ class Validate(Case):
         kept = {p.name: p.stat().st_mtime_ns for p in self.folder.glob("part/trials/*.json")}
         self.assertTrue(3 <= len(kept), "the run ended before it could be killed")
         self.assertFalse((self.folder / "part" / "validation.json").exists())
-        self.snapwing("validate", path, "-o", "part", *QUICK, code=(0, 1))
+        self.snapwing(*words, "-o", "part", code=(0, 1))
         for name, stamp in kept.items():
             self.assertEqual((self.folder / "part" / "trials" / name).stat().st_mtime_ns, stamp, "not computed again")
         answers = [json.loads((self.folder / run / "validation.json").read_text()) for run in ("whole", "part")]
