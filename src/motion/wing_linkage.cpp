@@ -116,10 +116,9 @@ LinkagePose WingLinkage::at(double crank) const {
                       common::toText(rotation_.back()) + " rad and nearby");
 }
 
-std::array<Eigen::Vector4d, 2> WingLinkage::bladeColumns(double crank, const LinkagePose& pose) const {
+std::array<Eigen::Vector4d, 2> WingLinkage::bladeColumns(const LinkagePose& pose) const {
   const Vector2d pin = pose.rocker_rate * across(turned(pose.rocker, joint2_ - auxiliary_));  // rate of joint 2
   const double w = pose.wing_rate, c = std::cos(pose.wing), s = std::sin(pose.wing);
-  (void)crank;
   // Rates of a point r of the blade: pin + w across(R r).
   return {
       Eigen::Vector4d(pin.squaredNorm(), 2 * w * (-pin(0) * s + pin(1) * c), 2 * w * (-pin(0) * c - pin(1) * s), w * w),
@@ -153,7 +152,7 @@ void WingLinkage::fitBlade(const vehicle::WingTable& table) {
     const LinkagePose pose = at(table.arm_rotation[n]);
     const double slope = table.angle_per_travel[n] / pose.wing_rate;  // of the arm's rotation by the travel
     const auto [own_k, own_s] = barInertia(table.arm_rotation[n], pose);
-    const auto [k, s] = bladeColumns(table.arm_rotation[n], pose);
+    const auto [k, s] = bladeColumns(pose);
     matrix.row(n) = 2 * slope * slope / largest_k * k.transpose();
     matrix.row(rows + n) = 2 * slope / largest_s * s.transpose();
     wanted(n) = (table.kinetic_mass[n] - 2 * slope * slope * own_k) / largest_k;
@@ -171,7 +170,7 @@ void WingLinkage::fitBlade(const vehicle::WingTable& table) {
 std::array<double, 2> WingLinkage::inertia(double crank) const {
   const LinkagePose pose = at(crank);
   const auto [bar_k, bar_s] = barInertia(crank, pose);
-  const auto [k, s] = bladeColumns(crank, pose);
+  const auto [k, s] = bladeColumns(pose);
   return {inertia_scale_ * (bar_k + k.dot(blade_)), inertia_scale_ * (bar_s + s.dot(blade_))};
 }
 

@@ -59,7 +59,7 @@ class WingLinkage {
   void readBars(const std::string& layout);
   void fitBlade(const vehicle::WingTable& table);
   /// K and S of the blade per unit of mass, first moments (2) and second moment about joint 2, at a pose.
-  std::array<Eigen::Vector4d, 2> bladeColumns(double crank, const LinkagePose& pose) const;
+  std::array<Eigen::Vector4d, 2> bladeColumns(const LinkagePose& pose) const;
   std::array<double, 2> barInertia(double crank, const LinkagePose& pose) const;
 
   Eigen::Vector2d auxiliary_, joint1_, joint2_, tip_;
