@@ -200,6 +200,13 @@ class Motors:
                 before = event
         return since if before is not None and before["motor"] <= level else None
 
+    def time_above(self, level, since):
+        """Seconds after `since` for which the outputs were above `level`."""
+        now = time.monotonic()
+        events = self.events()
+        return sum(max(0.0, min(following["t"], now) - max(event["t"], since))
+                   for event, following in zip(events, events[1:] + [{"t": now}]) if event["motor"] > level)
+
     def highest(self, since):
         """Largest output after `since`; outputs that lasted no longer than BLINK do not count."""
         highest, now = 0, time.monotonic()

@@ -13,6 +13,7 @@ from link_bench import IDLE, START, Bench, NotBegun, be_firm, busy_loops, free_p
 from relays import LcmRelay, SerialRelay
 
 NEVER = 99.0
+FULL = 1999      # us, output at full throttle
 PATIENCE = 3.0  # s beyond the pulse's end; what comes later than promised is still to be measured
 GUARDIAN, TYPICAL = 0.12, 0.10  # s, the guardian ends the pulse: 99 % and median
 CONTROLLER = 0.45               # s, where nobody on this side is left, or the line is: the flight controller's own hold
@@ -28,6 +29,8 @@ class Fault:
     latest = 0.55        # s after the motors rose in which the harm is done
     watch = 1.0          # s after the motors were at idle in which no thrust may return
     bench_kind = Bench
+    seldom = 0.0         # share of trials in which thrust may return within a bound that docs/safety.md names
+    bounded = False      # it did in the last trial
 
     def __init__(self, programs, seed):
         self.rng = random.Random(f"{self.name} {seed}")
@@ -323,8 +326,29 @@ class SerialBlocked(OnSerial):
 
 class SerialKeeps(SerialBlocked):
     name = "serial adapter that keeps what it was given, blocked, then free again"
+    """A line that stops between answer and frame keeps one frame with thrust. No program can call it back: docs/safety.md, hazard 2, bounds
+    what it does. More than one frame, more than that, or thrust without such a frame, is a failure."""
     keeps = True
     guard = "flight controller; thrust leaves only right behind an answer"
+    seldom = 0.05
+    half, duration = IDLE + (FULL - IDLE) / 2, 0.04  # us, s
+
+    def trial(self):
+        self.bounded = False
+        begin, seconds, highest = super().trial()
+        above = self.bench.motors.time_above(IDLE, begin + seconds)
+        frames = self.cable.thrust_delivered
+        assert frames <= 1, f"the line kept {frames} frames with thrust"
+        self.bounded = frames == 1 and highest <= self.half and above <= self.duration
+        return begin, seconds, highest
+
+
+class SerialCatches(SerialKeeps):
+    """The same at the worst moment, each time: what SerialKeeps meets by chance."""
+    name = "serial adapter that keeps what it was given, stops right before a frame with thrust, then free again"
+    guard = "flight controller; one frame at most, the safe one follows it"
+    order = "catch"
+    seldom = 1.0
 
 
 class SerialHalfFrame(SerialBlocked):
@@ -447,5 +471,5 @@ class LogReplayed(Lasting):
 
 
 ALL = [OperatorKilled, OperatorStopped, Aborted, DeadmanReleased, NetworkGone,
-       SerialBlocked, SerialKeeps, SerialHalfFrame, ShortWrites, SerialUnplugged, SerialNoisy, Flood, Forged, Malformed, Duplicated, Reordered,
-       Replayed, Delayed, LogReplayed, DiskFull, CpuStarved]
+       SerialBlocked, SerialKeeps, SerialCatches, SerialHalfFrame, ShortWrites, SerialUnplugged, SerialNoisy, Flood, Forged, Malformed,
+       Duplicated, Reordered, Replayed, Delayed, LogReplayed, DiskFull, CpuStarved]

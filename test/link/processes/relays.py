@@ -85,14 +85,17 @@ class SerialRelay:
         self.path = os.path.join(folder, "cable")
         script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "serial_cable.py")
         self.process = Process(["/usr/bin/python3", "-u", script, standin_link, self.path, *(["keeps"] if keeps else [])])
+        self.thrust_delivered = 0
         wait_for(lambda: os.path.exists(self.path), 60, "cable is there")
 
     def order(self, words):
-        """@return the moment [s] at which it was done"""
+        """@return the moment [s] at which it was done; what it delivered then is in thrust_delivered"""
         said = len(self.process.lines)
         self.process.send(words)
         wait_for(lambda: len(self.process.lines) > said, 5, "cable: " + words)
-        return float(self.process.lines[-1])
+        moment, delivered = self.process.lines[-1].split()
+        self.thrust_delivered = int(delivered)
+        return float(moment)
 
     def close(self):
         self.process.kill()

@@ -1,7 +1,8 @@
 """A serial cable between the stand-in's pseudo-terminal and one that it makes for the bridge; a process of its own, so that
 nothing else holds it up. usage: serial_cable.py STANDIN_END BRIDGE_END [keeps]. What waits in it is dropped when the bridge flushes its
 output (TCOFLUSH), as a serial driver drops it; with "keeps" it never is, as in some adapters. Orders, one a line on standard input: block, half (pass a
-part of the next frame, then block), free, noisy, clean, cut, plug. Each is answered, when it is done, with the time at which that began."""
+part of the next frame, then block), catch (block before the next frame with thrust), free, noisy, clean, cut, plug. Each is answered, when it is done, with the time at which that began
+and the number of frames with thrust that it kept and delivers now (free, with "keeps"; else 0)."""
 import contextlib
 import fcntl
 import os
@@ -18,6 +19,18 @@ from link_bench import be_firm
 
 FLUSHED = 2    # TIOCPKT_FLUSHWRITE
 SPOILT = 0.3  # share of packets with a flipped bit while noisy
+RAW_RC = b"$X<" + struct.pack("<BHH", 0, 200, 16)  # head of MSP_SET_RAW_RC with eight channels, MSP version 2
+THROTTLE = 2   # its place among the channels (A, E, T, R)
+
+
+def thrust_frames(data):
+    """@return number of whole frames in `data` that command thrust"""
+    count, begin = 0, data.find(RAW_RC)
+    while 0 <= begin <= len(data) - len(RAW_RC) - 17:
+        channels = struct.unpack_from("<8H", data, begin + len(RAW_RC))
+        count += channels[THROTTLE] > 1050
+        begin = data.find(RAW_RC, begin + 1)
+    return count
 
 
 class Cable:
@@ -27,7 +40,8 @@ class Cable:
         tty.setraw(self.far)
         self.path = bridge_end
         self.near = self.keep = None
-        self.blocked = self.half = self.noisy = False
+        self.blocked = self.half = self.catch = self.noisy = False
+        self.delivered = 0
         self.rest = b""
         self.rng = random.Random()
         self.plug()
@@ -48,21 +62,33 @@ class Cable:
         os.close(self.keep)
 
     def obey(self, order):
-        """@return whether it is done now; half is done with the next frame"""
+        """@return whether it is done now; half and catch are done with the next frame"""
+        self.delivered = self.deliver() if order == "free" and self.keeps else 0
         if order in ("block", "free"):
             self.blocked = order == "block"
-        if order == "free" and self.rest:
+        if order == "free" and self.rest and not self.keeps:
             os.write(self.far, self.rest)
             self.rest = b""
         if order in ("noisy", "clean"):
             self.noisy = order == "noisy"
         if order == "half":
             self.half = True
+        if order == "catch":
+            self.catch = True
         if order == "cut":
             self.cut()
         if order == "plug":
             self.plug()
-        return order != "half"
+        return order not in ("half", "catch")
+
+    def deliver(self):
+        """All that was kept goes on at once. @return number of frames with thrust in it"""
+        kept, self.rest = self.rest, b""
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                kept += os.read(self.near, 4096)
+        os.write(self.far, kept)
+        return thrust_frames(kept)
 
     def move(self, source, target):
         with contextlib.suppress(BlockingIOError, OSError):
@@ -72,11 +98,15 @@ class Cable:
                 spoilt = bytearray(data)
                 spoilt[self.rng.randrange(len(spoilt))] ^= 1 << self.rng.randrange(8)
                 data = bytes(spoilt)
+            if self.catch and target == self.far and thrust_frames(data):
+                self.rest, data = data, b""
+                self.catch, self.blocked = False, True
+                print(begin, 0)
             if self.half and target == self.far and len(data) > 1:
                 part = self.rng.randrange(1, len(data))
                 data, self.rest = data[:part], data[part:]
                 self.half, self.blocked = False, True
-                print(begin)
+                print(begin, 0)
             os.write(target, data)
 
     def read_near(self):
@@ -108,7 +138,7 @@ class Cable:
                     return
                 begin = time.monotonic()  # before: being held up then makes no time short
                 if self.obey(order):
-                    print(begin)
+                    print(begin, self.delivered)
                 continue
             if self.near in ready:
                 self.move(self.near, self.far)
