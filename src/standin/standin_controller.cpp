@@ -1,6 +1,7 @@
 #include "snapwing/standin/standin_controller.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace snapwing::standin {
 namespace {
@@ -16,6 +17,10 @@ constexpr double INAV_HOLD = 0.9;  ///< [s]
 bool valid(int microseconds) {
   return microseconds >= link::CHANNEL_MIN_VALID && microseconds <= link::CHANNEL_MAX_VALID;
 }
+
+/// Seconds between two moments to the microsecond: a limit is met in the look that is due, whatever the doubles' last
+/// digits.
+double elapsed(double since, double now) { return std::round((now - since) * 1e6) / 1e6; }
 
 }  // namespace
 
@@ -40,7 +45,7 @@ StandinController::StandinController(const StandinSettings& settings, double now
 
 bool StandinController::flightChannelsValid(double now) const {
   return std::all_of(valid_time_.begin(), valid_time_.begin() + FLIGHT_CHANNELS,
-                     [&](double time) { return now - time <= settings_.channel_hold; });
+                     [&](double time) { return elapsed(time, now) <= settings_.channel_hold; });
 }
 
 void StandinController::onFrame(const link::Channels& channels, double now) {
@@ -57,7 +62,7 @@ void StandinController::onPilotFrame(const link::Channels& channels, double now)
   link::Channels merged = channels;
   override_active_ = channels.us[static_cast<std::size_t>(settings_.override_channel)] >= settings_.arm_threshold;
   for (std::size_t i = 0; override_active_ && i < static_cast<std::size_t>(channels.count); ++i) {
-    const bool fresh = now - computer_time_[i] <= settings_.override_hold;
+    const bool fresh = elapsed(computer_time_[i], now) <= settings_.override_hold;
     if ((settings_.override_mask >> i & 1U) != 0 && fresh) merged.us[i] = computer_.us[i];
   }
   receive(merged, now);
@@ -88,7 +93,7 @@ void StandinController::receive(const link::Channels& channels, double now) {
   if (channels_lost_) {
     good_since_ = NEVER;  // a lost channel shows as lost signal with the frame that finds it so
   } else {
-    if (good_since_ == NEVER || now - last_good_ > settings_.rxloss_after) good_since_ = now;
+    if (good_since_ == NEVER || elapsed(last_good_, now) > settings_.rxloss_after) good_since_ = now;
     last_good_ = now;
   }
   turn(now, true);
@@ -98,21 +103,23 @@ void StandinController::receive(const link::Channels& channels, double now) {
 
 std::uint32_t StandinController::computeFlags(double now) const {
   std::uint32_t flags = 0;
-  if (now - last_good_ > settings_.rxloss_after || now - good_since_ < settings_.rxloss_clear) flags |= FLAG_RXLOSS;
+  if (elapsed(last_good_, now) > settings_.rxloss_after || elapsed(good_since_, now) < settings_.rxloss_clear)
+    flags |= FLAG_RXLOSS;
   if (failsafe_) flags |= FLAG_FAILSAFE;
   if (not_disarmed_) flags |= FLAG_NOT_DISARMED;
   if (!armed_ && throttleInForce(now) >= settings_.min_check) flags |= FLAG_THROTTLE;
-  if (now - boot_time_ < settings_.boot_grace) flags |= FLAG_BOOTGRACE;
+  if (elapsed(boot_time_, now) < settings_.boot_grace) flags |= FLAG_BOOTGRACE;
   if (arm_switch_latched_) flags |= FLAG_ARMSWITCH;
   return flags;
 }
 
 void StandinController::updateFailsafe(double now) {
-  if (armed_ && now - last_good_ >= settings_.failsafe_delay) {
+  if (armed_ && elapsed(last_good_, now) >= settings_.failsafe_delay) {
     armed_ = false;
     failsafe_ = true;
   }
-  const bool streaming = now - last_good_ <= settings_.rxloss_after && now - good_since_ >= settings_.failsafe_recovery;
+  const bool streaming =
+      elapsed(last_good_, now) <= settings_.rxloss_after && elapsed(good_since_, now) >= settings_.failsafe_recovery;
   if (failsafe_ && streaming) failsafe_ = false;
 }
 
@@ -183,7 +190,7 @@ void StandinController::updateMotor(double now) {
 
 void StandinController::step(double now) {
   updateFailsafe(now);
-  for (; now >= next_look_; next_look_ += settings_.look_period) turn(next_look_, false);
+  for (; elapsed(next_look_, now) >= 0; next_look_ += settings_.look_period) turn(next_look_, false);
   flags_ = computeFlags(now);
   updateMotor(now);
 }
