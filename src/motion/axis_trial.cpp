@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
+#include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/rotor_lag.h"
 
 namespace snapwing::motion {
@@ -15,6 +17,7 @@ namespace {
 constexpr double SLOW = 0.06, CALM = 0.12;  // [m/s], [s]: docs/motion.md
 constexpr double SHARE_OF_BARRIER = 0.66;   // of the travel, in F
 constexpr double SHARE_OF_VALLEY = 0.8;     // of the force, in Q
+constexpr double FED = 0.1;                 // of the lower barrier's energy: beyond it the end mode says nothing
 constexpr double STEADY = 0.01;             // of the full thrust
 
 /// Cubic through travel and rate at both ends of a step.
@@ -96,7 +99,10 @@ namespace {
 class Watch {
  public:
   Watch(const AxisVehicle& vehicle, const Stepper& stepper, const AxisTrial& trial, const ThrustHistory& thrust)
-      : vehicle_(vehicle), stepper_(stepper), trial_(trial), thrust_(thrust) {}
+      : vehicle_(vehicle), stepper_(stepper), trial_(trial), thrust_(thrust) {
+    const vehicle::CurveFeatures features = vehicle::curveFeatures(vehicle.curve().table());
+    barrier_ = std::min(features.barrier_forward, features.barrier_back) / vehicle.shareOfVehicle();
+  }
 
   AxisSample sample(const MotionState& s) const {
     AxisSample out;
@@ -145,6 +151,20 @@ class Watch {
       run.calm_since = now.time;
     }
     run.samples.push_back(now);
+    requireAccountClosed(run);
+  }
+
+  /// A scheme that keeps energy and does not: what it fed or ate may have decided the end mode. Schemes that damp are
+  /// chosen to eat. @throws common::Error
+  void requireAccountClosed(const AxisRun& run) const {
+    const double off = run.outcome.largest_imbalance;
+    if (stepper_.scheme().order() < 2 || !(off > FED * barrier_)) return;
+    char words[300];
+    std::snprintf(words, sizeof words,
+                  "the scheme fed or ate %.3g mJ up to %.4g s, more than %g %% of the lower barrier (%.3g mJ), so that "
+                  "the end mode would say nothing; take smaller steps (time: step, now up to %g s)",
+                  1e3 * off, run.state.time, 100 * FED, 1e3 * barrier_, run.samples.back().step);
+    throw common::Error(words);
   }
 
   /// Mode in which the travel has come to rest, if it has.
@@ -172,6 +192,7 @@ class Watch {
   const Stepper& stepper_;
   const AxisTrial& trial_;
   const ThrustHistory& thrust_;
+  double barrier_ = 0;  ///< [J] the lower one; NaN of an arm that is not bistable
 };
 
 void begin(const AxisVehicle& vehicle, const AxisTrial& trial, const Watch& watch, AxisRun& run) {

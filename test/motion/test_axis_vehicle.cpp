@@ -176,7 +176,7 @@ TEST(AxisVehicle, RefusesWhatItCannotDo) {
 }
 
 TEST(TrialFile, ShippedOnesLoadAndBadOnesAreRefusedByKey) {
-  for (const char* name : {"boom_f_to_q", "boom_q_to_f", "free_f_to_q", "wings_f_to_q"}) {
+  for (const char* name : {"boom_f_to_q", "boom_q_to_f", "free_f_to_q", "wings_f_to_q", "wings_f_to_q_hover"}) {
     EXPECT_EQ(loadTrial(test::sourceDir() + "/config/trials/" + name + ".yaml").name, name);
   }
   EXPECT_THROW(loadTrial("/nowhere.yaml"), common::FileError);

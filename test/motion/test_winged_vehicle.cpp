@@ -89,12 +89,14 @@ struct Flown {
   rom::SnapPrediction lumped;  ///< on the same static curve, with the same bars
 };
 
-Flown fly(const Shipped& s, const AxisSettings& settings, double fraction, double duration, double horizon = 2) {
+Flown fly(const Shipped& s, const AxisSettings& settings, double fraction, double duration, double horizon = 2,
+          double after = 0, double step = 1e-3) {
   vehicle::Trial around = winged();
   around.horizon = horizon;
+  around.final_thrust_fraction = after;
   const AxisVehicle vehicle(s.vehicle, s.parameters, around, settings, s.wing);
   StepperSettings steps;
-  steps.largest_step = 1e-3;
+  steps.largest_step = step;
   steps.relative_tolerance = 1e-6;
   Stepper stepper(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), steps);
   Flown out;
@@ -155,6 +157,37 @@ TEST(WingedVehicle, TheWingsLoadTurnsTheSoftArmBack) {
   EXPECT_LT(flown.furthest_back, -0.2);
   EXPECT_LT(flown.twist, 1e-3) << "the crank follows the arm";
   EXPECT_LT(flown.run.outcome.largest_imbalance, 1e-3);
+}
+
+/// With steps of 1 ms and a hard stop the midpoint rule feeds more energy than a barrier needs: no answer, and why.
+TEST(WingedVehicle, WhatTheSchemeFedIsNoAnswer) {
+  const Shipped s;
+  AxisSettings settings = coarse();
+  settings.wing_stop = 50;
+  try {
+    fly(s, settings, 0.583, 0.286, 1);
+    FAIL() << "an answer";
+  } catch (const common::Error& error) {
+    EXPECT_NE(std::string(error.what()).find("fed or ate"), std::string::npos) << error.what();
+  }
+}
+
+/// A pulse that is cut to idle lets the housing fall back over the barrier, as long as the wings swing; steady thrust
+/// after it keeps it beyond.
+TEST(WingedVehicle, ThrustAfterThePulseKeepsTheHousingBeyondTheBarrier) {
+  const Shipped s;
+  AxisSettings settings = coarse();
+  settings.wing_stop = 10;
+  const double barrier = AxisVehicle(s.vehicle, s.parameters, winged(), settings, s.wing).curve().barrier();
+  for (const double after : {0.0, 0.2}) {
+    SCOPED_TRACE(after);
+    const Flown flown = fly(s, settings, 0.583, 0.286, 0.18, after, 5e-4);
+    double least = 1;
+    for (const AxisSample& sample : flown.run.samples) {
+      if (sample.time > 0.2) least = std::min(least, sample.travel);  // the barrier is passed at 124 ms
+    }
+    EXPECT_EQ(least > barrier, after > 0) << least;
+  }
 }
 
 TEST(WingedVehicle, AStopHoldsTheWingsAtRest) {
