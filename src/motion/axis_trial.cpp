@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
@@ -93,7 +94,30 @@ AxisTrial AxisTrial::of(vehicle::Mode start, double fraction, double duration,
   return out;
 }
 
+double AxisTrial::commanded() const {
+  return std::accumulate(then.begin(), then.end(), duration,
+                         [](double sum, const ThrustLevel& level) { return sum + level.duration; });
+}
+
+std::vector<double> AxisTrial::changes() const {
+  std::vector<double> out = {latency, latency + duration};
+  for (const ThrustLevel& level : then) out.push_back(out.back() + level.duration);
+  return out;
+}
+
 namespace {
+
+/// What the trial asks of the motors.
+ThrustHistory historyOf(const AxisTrial& trial) {
+  ThrustHistory out(trial.initial_fraction * trial.max_thrust, trial.time_up, trial.time_down);
+  const std::vector<double> changes = trial.changes();
+  out.demand(changes[0], trial.fraction * trial.max_thrust);
+  for (std::size_t k = 0; k < trial.then.size(); ++k) {
+    out.demand(changes[k + 1], trial.then[k].fraction * trial.max_thrust);
+  }
+  out.demand(changes.back(), trial.final_fraction * trial.max_thrust);
+  return out;
+}
 
 /// A run and what it is judged by.
 class Watch {
@@ -170,8 +194,7 @@ class Watch {
   /// Mode in which the travel has come to rest, if it has.
   vehicle::Mode restsIn(const AxisRun& run) const {
     const AxisSample& now = run.samples.back();
-    const double pulse_ends = trial_.latency + trial_.duration;
-    if (now.time - std::max(run.calm_since, pulse_ends) < CALM) return vehicle::Mode::UNKNOWN;
+    if (now.time - std::max(run.calm_since, trial_.latency + trial_.commanded()) < CALM) return vehicle::Mode::UNKNOWN;
     const StaticCurve& curve = vehicle_.curve();
     if (now.travel < SHARE_OF_BARRIER * curve.barrier()) return vehicle::Mode::FIXED_WING;
     const bool holds = now.travel > curve.valley() && curve.forceAt(now.travel) > SHARE_OF_VALLEY * curve.valleyForce();
@@ -209,10 +232,9 @@ void begin(const AxisVehicle& vehicle, const AxisTrial& trial, const Watch& watc
 
 bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
               const AxisRunHooks& hooks) {
-  const double begins = trial.latency, ends = begins + trial.duration, last = ends + trial.horizon;
-  ThrustHistory thrust(trial.initial_fraction * trial.max_thrust, trial.time_up, trial.time_down);
-  thrust.demand(begins, trial.fraction * trial.max_thrust);
-  thrust.demand(ends, trial.final_fraction * trial.max_thrust);
+  const std::vector<double> changes = trial.changes();
+  const double last = changes.back() + trial.horizon;
+  const ThrustHistory thrust = historyOf(trial);
   const Watch watch(vehicle, stepper, trial, thrust);
   if (!run.begun) begin(vehicle, trial, watch, run);
   const ControlOf control = [&](double from, double h) {
@@ -220,8 +242,8 @@ bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& tri
   };
   stepper.restart();
   while (run.state.time < last) {
-    const double now = run.state.time, until = now < begins ? begins : now < ends ? ends : last;
-    watch.add(stepper.step(run.state, until, control), run);
+    const auto next = std::upper_bound(changes.begin(), changes.end(), run.state.time);
+    watch.add(stepper.step(run.state, next == changes.end() ? last : *next, control), run);
     const vehicle::Mode rests = watch.restsIn(run);
     if (rests != vehicle::Mode::UNKNOWN) {
       watch.finish(run, rests);

@@ -31,20 +31,28 @@ void readBox(SettingsReader& reader, TrialFile& out) {
   box.finish();
 }
 
-void readPulse(SettingsReader& reader, TrialFile& out) {
-  SettingsReader pulse = reader.map("pulse");
+TrialLevel readLevel(SettingsReader reader) {
+  TrialLevel out;
   out.throttle = -1;
-  if (pulse.has("throttle") == pulse.has("thrust")) {
-    pulse.fail("throttle", pulse.has("throttle") ? "given beside thrust" : "missing",
-               "exactly one of throttle, thrust");
+  if (reader.has("throttle") == reader.has("thrust")) {
+    reader.fail("throttle", reader.has("throttle") ? "given beside thrust" : "missing",
+                "exactly one of throttle, thrust");
   }
-  if (pulse.has("throttle")) {
-    out.throttle = pulse.number("throttle", {0, 1}, "1");
+  if (reader.has("throttle")) {
+    out.throttle = reader.number("throttle", {0, 1}, "1");
   } else {
-    out.thrust = pulse.number("thrust", {0, 1}, "1");
+    out.thrust = reader.number("thrust", {0, 1}, "1");
   }
-  out.duration = pulse.number("duration", {0, 60}, "s");
-  pulse.finish();
+  out.duration = reader.number("duration", {0, 60}, "s");
+  reader.finish();
+  return out;
+}
+
+void readLevels(SettingsReader& reader, TrialFile& out) {
+  out.pulse = readLevel(reader.map("pulse"));
+  if (!reader.has("then")) return;
+  if (out.rung == TrialRung::LUMPED) reader.fail("then", "given", "with rung planar or volumetric only");
+  for (SettingsReader& level : reader.list("then")) out.then.push_back(readLevel(std::move(level)));
 }
 
 void readSurroundings(SettingsReader& reader, TrialFile& out) {
@@ -140,8 +148,8 @@ TrialFile loadTrial(const std::string& path) {
   out.vehicle_file = reader.resolvePath(reader.text("vehicle"));
   readSurroundings(reader, out);
   out.start = vehicle::modeFromName(reader.choice("start", {"F", "Q"}));
-  readPulse(reader, out);
   readSolid(reader, out);
+  readLevels(reader, out);
   readFriction(reader, out);
   readSteps(reader, out);
   readBox(reader, out);

@@ -47,9 +47,7 @@ struct Work {
     file.trial.validate();
     parameters = vehicle::realise(vehicle, table, file.box);
     idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle.radio, 0));
-    fraction = file.throttle < 0 ? file.thrust
-                                 : vehicle::thrustFraction(parameters.quadratic_share,
-                                                           vehicle::motorOutput(vehicle.radio, file.throttle));
+    fraction = fractionOf(file.pulse);
     common::OutputFiles files;
     files.reads({file.file, vehicle.file, vehicle.arm.density_file, vehicle.arm.table_file}, "a file of the trial");
     if (vehicle.hasWing()) files.reads({vehicle.wing.layout_file, vehicle.wing.table_file}, "a file of the wing");
@@ -57,6 +55,11 @@ struct Work {
     for (const char* name : {"series.csv", "series.h5", "summary.json", "checkpoint.bin"}) {
       files.writes(path(name), "--output");
     }
+  }
+  /// Steady thrust of a level / full thrust.
+  double fractionOf(const motion::TrialLevel& level) const {
+    if (level.throttle < 0) return level.thrust;
+    return vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle.radio, level.throttle));
   }
   std::string path(const std::string& name) const { return options.folder + "/" + name; }
   std::string hash() const {
@@ -83,17 +86,23 @@ double cpuSeconds() {
   return use.ru_utime.tv_sec + use.ru_stime.tv_sec + 1e-6 * (use.ru_utime.tv_usec + use.ru_stime.tv_usec);
 }
 
+ordered_json levelJson(const Work& work, const motion::TrialLevel& level) {
+  return {{"thrust_fraction", work.fractionOf(level)},
+          {"throttle", level.throttle < 0 ? std::nan("") : level.throttle},
+          {"duration", level.duration}};
+}
+
 ordered_json headOf(const Work& work) {
+  ordered_json then = ordered_json::array();
+  for (const motion::TrialLevel& level : work.file.then) then.push_back(levelJson(work, level));
   return {{"trial", work.file.name},
           {"trial_file", work.file.file},
           {"trial_sha256", work.file.sha256},
           {"inputs", inputsJson(work.vehicle, work.vehicle.arm.table_file)},
           {"rung", motion::rungName(work.file.rung)},
           {"surroundings", trialJson(work.file.trial)},
-          {"pulse",
-           {{"thrust_fraction", work.fraction},
-            {"throttle", work.file.throttle < 0 ? std::nan("") : work.file.throttle},
-            {"duration", work.file.duration}}}};
+          {"pulse", levelJson(work, work.file.pulse)},
+          {"then", then}};
 }
 
 void writeSummary(const Work& work, ordered_json summary) {
@@ -112,7 +121,7 @@ int runLumped(const Work& work) {
     return true;
   };
   const rom::SnapPrediction prediction =
-      model.predict(work.file.start, work.fraction, work.file.duration, work.file.trial, observer);
+      model.predict(work.file.start, work.fraction, work.file.pulse.duration, work.file.trial, observer);
   common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(samples));
   ordered_json summary = headOf(work);
   summary["outcome"] = predictionJson(prediction);
@@ -264,8 +273,9 @@ int runSolid(const Work& work) {
   surroundings.wings = rom::wingsAct(work.file.trial, work.vehicle.hasWing());
   const motion::AxisVehicle vehicle(work.vehicle, work.parameters, surroundings, axis,
                                     vehicle::wingTableOf(work.vehicle, work.table));
-  const motion::AxisTrial trial = motion::AxisTrial::of(work.file.start, work.fraction, work.file.duration,
-                                                        work.parameters, work.idle, work.file.trial);
+  motion::AxisTrial trial = motion::AxisTrial::of(work.file.start, work.fraction, work.file.pulse.duration,
+                                                  work.parameters, work.idle, work.file.trial);
+  for (const motion::TrialLevel& level : work.file.then) trial.then.push_back({work.fractionOf(level), level.duration});
   motion::Stepper stepper(vehicle.problem(), motion::Scheme(work.file.scheme, work.file.points, work.file.bias),
                           work.file.steps);
   motion::AxisRun run;
@@ -274,7 +284,7 @@ int runSolid(const Work& work) {
     run = motion::loadTrialCheckpoint(checkpoint, owner);
     std::fprintf(stderr, "goes on at %.4f s from %s\n", run.state.time, checkpoint.c_str());
   }
-  Progress progress(work, trial.latency + trial.duration + trial.horizon);
+  Progress progress(work, trial.latency + trial.commanded() + trial.horizon);
   progress.startsAt(run.state.time);
   const InterruptGuard guard;
   motion::AxisRunHooks hooks;

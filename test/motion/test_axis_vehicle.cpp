@@ -112,6 +112,28 @@ TEST(AxisVehicle, TheSnapIsConvergedInTime) {
   EXPECT_LT(euler.outcome.peak_travel, b.outcome.peak_travel - 5e-4);
 }
 
+/// A pulse told in two halves is the same pulse; another level behind it is another thrust from there on, and the trial
+/// ends after it.
+TEST(AxisVehicle, LevelsFollowThePulse) {
+  const Shipped s;
+  const vehicle::Trial boom = trialOn(vehicle::Mount::BOOM);
+  const AxisVehicle vehicle(s.vehicle, s.parameters, boom, coarse());
+  const AxisTrial whole = AxisTrial::of(vehicle::Mode::FIXED_WING, 0.5, 0.06, s.parameters, 0, boom);
+  AxisTrial halves = whole, longer = whole;
+  halves.duration = 0.03;
+  halves.then = {{0.5, 0.03}};
+  longer.then = {{0.3, 0.1}, {0.1, 0.4}};
+  EXPECT_NEAR(longer.commanded(), 0.56, 1e-15);
+  const AxisRun a = flown(vehicle, whole, Scheme(SchemeKind::MIDPOINT), 2e-3),
+                b = flown(vehicle, halves, Scheme(SchemeKind::MIDPOINT), 2e-3),
+                c = flown(vehicle, longer, Scheme(SchemeKind::MIDPOINT), 2e-3);
+  EXPECT_NEAR(a.outcome.snap_time, b.outcome.snap_time, 1e-6);
+  EXPECT_NEAR(a.outcome.peak_travel, b.outcome.peak_travel, 1e-6);
+  EXPECT_GT(c.outcome.peak_travel, a.outcome.peak_travel + 1e-3);
+  EXPECT_GT(c.outcome.settle_time, s.parameters.latency + 0.56);
+  EXPECT_LT(c.samples.back().thrust, 0.02 * s.parameters.max_thrust);
+}
+
 /// The exact lagged tangent feeds the falling branch, the other laws never do. Peaks differ by millimetres
 /// (facts/motion.md: 2 to 4 mm), though all have the same loss in Q.
 TEST(AxisVehicle, DampingLawsDifferDuringTheSnap) {

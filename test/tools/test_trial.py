@@ -74,6 +74,8 @@ class Trial(Case):
 
     def test_bad_trials_are_refused_by_key_value_and_range(self):
         for change, words in ((("duration: 0.06", "duration: -1"), ("pulse.duration", "-1", "0")),
+                              (("duration: 0.06}", "duration: 0.06}\nthen:\n- {thrust: 2, duration: 0.1}"), ("then", "thrust", "2", "1")),
+                              (("duration: 0.06}", "duration: 0.06}\nthen:\n- {thrust: 0.2}"), ("then", "duration")),
                               (("start: F", "start: R"), ("start", "R", "F")),
                               (("mount: boom", "mount: rope"), ("mount", "rope", "boom")),
                               (("rung: planar", "rung: exact"), ("rung", "exact", "planar")),

@@ -18,16 +18,22 @@ enum class TrialRung {
 };
 std::string rungName(TrialRung rung);
 
+/// Stick or steady thrust, for a time.
+struct TrialLevel {
+  double throttle = 0;  ///< stick [0, 1]; negative: `thrust` is given
+  double thrust = 0;    ///< steady thrust / full thrust [0, 1]
+  double duration = 0;  ///< [s]
+};
+
 struct TrialFile {
   std::string name, file, sha256, vehicle_file;
   TrialRung rung = TrialRung::PLANAR;
   vehicle::Trial trial;
   std::string mount;
   vehicle::Mode start = vehicle::Mode::FIXED_WING;
-  double throttle = 0;      ///< stick [0, 1]; negative: `thrust` is given
-  double thrust = 0;        ///< steady thrust of the pulse / full thrust [0, 1]
-  double duration = 0;      ///< [s]
-  std::vector<double> box;  ///< coordinates in [-1, 1] of vehicle::uncertainNames(); empty: nominal
+  TrialLevel pulse;
+  std::vector<TrialLevel> then;  ///< right behind the pulse, one after the other
+  std::vector<double> box;       ///< coordinates in [-1, 1] of vehicle::uncertainNames(); empty: nominal
   SchemeKind scheme = SchemeKind::MIDPOINT;
   int points = 2;   ///< of the average force
   double bias = 0;  ///< of the midpoint
