@@ -1,16 +1,13 @@
 #include "snapwing/motion/axis_vehicle.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
-#include "snapwing/solver/elastic_term.h"
 #include "snapwing/solver/load_term.h"
-#include "snapwing/solver/material_damping.h"
 #include "snapwing/solver/row_terms.h"
 
 namespace snapwing::motion {
@@ -23,12 +20,12 @@ namespace {
 
 constexpr double FRICTION_SPEED = 0.02;  // [m/s] as in the lumped model
 constexpr double CURVE_STEP = 0.002;     // [m]
-constexpr std::array<const char*, 4> DAMPING{"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"};
 
 /// One body for each group of arms that move alike, all driven by the one travel.
-/// @param shares  how many times the first group's arm each of them is, in forces and masses
+/// @param series  of the material; @param shares  how many times the first group's arm each of them is, in forces and
+/// masses
 scene::Scene armsOf(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings,
-                    const std::vector<double>& shares) {
+                    const elasticity::PronySeries& series, const std::vector<double>& shares) {
   const vehicle::ArmSettings& arm = vehicle.arm;
   mpm::DensityField field = mpm::loadDensityCsv(arm.density_file, arm.domain_length, arm.domain_height);
   if (settings.cell_size > 0) field = field.resampled(settings.cell_size);
@@ -42,6 +39,8 @@ scene::Scene armsOf(const vehicle::Vehicle& vehicle, double force_scale, const A
   scene.monitors[0].radius = settings.hub_radius;
   // The scale of the real force is one of the modulus: the law is linear in it.
   scene.bodies[0].material.youngs_modulus *= force_scale;
+  // The solid's own law is the slow one.
+  if (vehicle.material.relaxation.modulus_is_fast) scene.bodies[0].material.youngs_modulus *= series.slow();
   for (std::size_t k = 1; k < shares.size(); ++k) {
     const std::string number = " " + std::to_string(k + 1);
     const auto again = [&](auto& list) {
@@ -65,26 +64,24 @@ scene::Scene armsOf(const vehicle::Vehicle& vehicle, double force_scale, const A
 
 }  // namespace
 
-DampingLaw dampingFromName(const std::string& name) {
-  for (std::size_t k = 0; k < DAMPING.size(); ++k) {
-    if (name == DAMPING[k]) return static_cast<DampingLaw>(k);
-  }
-  throw common::Error("damping is '" + name + "'; allowed: travel, rayleigh, rayleigh_projected, kelvin_voigt");
-}
-
-std::string dampingName(DampingLaw law) { return DAMPING[static_cast<std::size_t>(law)]; }
-
 AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
                          const vehicle::Trial& trial, const AxisSettings& settings,
                          const std::optional<vehicle::WingTable>& wing)
     : trial_(trial), settings_(settings), stop_(vehicle.limits.travel_min) {
   trial.validate();
+  memory_known_ = !vehicle.material.relaxation.terms.empty();
+  if (settings.relaxation) {
+    for (const auto& term : vehicle.material.relaxation.terms) {
+      series_.branches.push_back({term.share.value, term.time.value});
+    }
+    series_.validate();
+  }
   arms_ = vehicle.arm.count;
   groups_ = {arms_};
   if (trial.wings.value_or(false)) addWings(vehicle, parameters, wing);
   std::vector<double> shares;
   for (const int arms : groups_) shares.push_back(arms / static_cast<double>(groups_.front()));
-  scene_ = scene::compileScene(armsOf(vehicle, parameters.force_scale, settings, shares), settings.threads);
+  scene_ = scene::compileScene(armsOf(vehicle, parameters.force_scale, settings, series_, shares), settings.threads);
   curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP);
   if (!curve_->bistable()) {
     throw common::Error("vehicle '" + vehicle.name +
@@ -118,7 +115,8 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   for (const auto& more : {bodies(parameters, carried), wingForces()}) {
     parts.terms.insert(parts.terms.end(), more.begin(), more.end());
   }
-  parts.terms.push_back(damping(parameters.damping));
+  parts.terms.push_back(damping(restOfDamping(parameters)));
+  if (!series_.empty()) parts.terms.push_back(memory());
   parts.terms.push_back(loads(parameters, carried, moved));
   problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
 }
@@ -278,56 +276,6 @@ std::vector<std::shared_ptr<const Term>> AxisVehicle::bodies(const vehicle::Vehi
   return terms;
 }
 
-template <int D>
-std::shared_ptr<const Term> AxisVehicle::materialDampingIn(double beta) const {
-  auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<D>>(problem_->terms().front())->sharedSolid();
-  if (settings_.damping == DampingLaw::KELVIN_VOIGT) {
-    return std::make_shared<const solver::KelvinVoigtTerm<D>>(std::move(solid), beta);
-  }
-  const bool exact = settings_.damping == DampingLaw::RAYLEIGH;
-  return std::make_shared<const solver::RayleighTerm<D>>(
-      std::move(solid), nullptr, 0, beta, exact ? solver::LaggedTangent::EXACT : solver::LaggedTangent::PROJECTED);
-}
-
-std::shared_ptr<const Term> AxisVehicle::materialDamping(double beta) const {
-  return settings_.dimension == 2 ? materialDampingIn<2>(beta) : materialDampingIn<3>(beta);
-}
-
-/// c of the travel that a material's law with beta = 1 makes in Q [N s/m per s], of the problem: twice the potential of
-/// a small step along the static path, times h, over its travel squared.
-double AxisVehicle::lossOf(const Term& term) const {
-  constexpr double SMALL = 1e-6;  // [m]
-  const StaticPoint q = curve_->at(curve_->second());
-  const solver::Coordinates& own = scene_->terms().coordinates();
-  const auto place = [&](double shift) {
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(centre_ + 1);
-    y.head(nodes_) = own.expand(q.z + shift * q.slope, Eigen::VectorXd::Constant(1, q.control + shift));
-    return y;
-  };
-  solver::Step step;
-  step.h = 1;
-  step.y0 = place(0);
-  step.v0 = Eigen::VectorXd::Zero(centre_ + 1);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1), moved = place(SMALL);
-  const auto kept = term.keep({step.y0, none, nullptr, settings_.threads});
-  solver::Sum sum;
-  sum.reset(layout(), 1, solver::Order::ENERGY);
-  term.evaluate({moved, none, &step, settings_.threads, kept.get()}, solver::Order::ENERGY, sum);
-  return 2 * sum.energy / (SMALL * SMALL);
-}
-
-std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
-  if (settings_.damping == DampingLaw::TRAVEL) {
-    return std::make_shared<solver::RowDamper>("damping of the travel", travelRow(), share_ * c);
-  }
-  const double unit = lossOf(*materialDamping(1));
-  if (!(unit > 0)) {
-    throw common::Error("damping is " + dampingName(settings_.damping) +
-                        ": the material's law has no loss in Q at these cells; allowed: travel");
-  }
-  return materialDamping(share_ * c / unit);
-}
-
 vehicle::ForceTable AxisVehicle::staticTable() const {
   vehicle::ForceTable table = curve_->table();
   table.arm_count = arms_;
@@ -454,6 +402,10 @@ std::vector<std::string> AxisVehicle::leftOut() const {
       "left and right ones, move alike among themselves",
       "friction of the arms' axles beyond the damping ratio",
       "thrust that falls with airspeed, battery sag, yaw moment of the propellers"};
+  if (series_.empty()) {
+    out.push_back(std::string("memory of the material (material.relaxation is ") +
+                  (memory_known_ ? "off" : "not given") + "): a slow curve, a snap and a rest have one modulus");
+  }
   if (linkage_) {
     out.push_back("folding of the blade: a rigid body in its place, whose K misses that of the wing's table by up to " +
                   common::toText(linkage_->bladeError()) + " of the largest");

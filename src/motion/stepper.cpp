@@ -57,6 +57,12 @@ Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Schem
   newton.keep_factor = settings.keep_factor;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem_->controlCount());
   solver_ = std::make_unique<solver::EquilibriumSolver>(*step_problem_, newton, solver::ControlLine{none, none});
+  for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
+    const auto* term = dynamic_cast<const solver::HistoryTerm*>(problem_->terms()[k].get());
+    if (term == nullptr) continue;
+    with_history_.push_back({k, term, history_count_});
+    history_count_ += term->historyCount();
+  }
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(problem_->coordinates().fullCount());
   total_mass_ = momentum(ones).sum();
   if (!(total_mass_ > 0)) throw common::Error("a problem in time has no mass: give it a term of inertia");
@@ -77,10 +83,19 @@ MotionState Stepper::start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, c
   }
   state.kinetic = kineticEnergy(state.v);
   state.stored = storedEnergy(state.y, p);
+  state.history = Eigen::VectorXd::Zero(history_count_);
   return state;
 }
 
 double Stepper::kineticEnergy(const Eigen::VectorXd& v) const { return 0.5 * v.dot(momentum(v)); }
+
+double Stepper::heldBy(const Eigen::VectorXd& history) const {
+  double energy = 0;
+  for (const WithHistory& with : with_history_) {
+    energy += with.history->storedIn(history.segment(with.first, with.history->historyCount()));
+  }
+  return energy;
+}
 
 double Stepper::meanOverMass(const Eigen::VectorXd& shift) const {
   return std::sqrt(std::max(0.0, shift.dot(momentum(shift))) / total_mass_);
@@ -135,7 +150,15 @@ bool Stepper::attempt(const MotionState& from, double h, const ControlOf& contro
   out.context.step = scheme_.begin(h, from.y, from.v);
   out.context.step.p0 = out.control;
   out.context.step.kept = problem_->keep(from.y, out.control);
-  out.context.stored_at_start = from.stored;
+  out.context.stored_at_start = from.stored - heldBy(from.history);
+  if (!with_history_.empty()) {
+    out.context.step.kept.resize(problem_->terms().size());
+    const solver::Point start{from.y, out.control, nullptr, problem_->threads()};
+    for (const WithHistory& with : with_history_) {
+      out.context.step.kept[with.term] =
+          with.history->keepWith(start, from.history.segment(with.first, with.history->historyCount()));
+    }
+  }
   if (scheme_.meanDirections() && problem_->coordinates().rotationCount() > 0) {
     auto place = std::make_shared<solver::Coordinates::Place>();
     problem_->coordinates().at(from.z, out.control, from.references.get(), *place);
@@ -165,6 +188,7 @@ void Stepper::account(const MotionState& from, Trial& out) {
   for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
     const Term& term = *problem_->terms()[k];
     if (term.role() != Term::Role::LOAD && term.role() != Term::Role::DISSIPATION) continue;
+    if (dynamic_cast<const solver::HistoryTerm*>(&term) != nullptr) continue;
     problem_->evaluateTerm(k, point, Order::STRESS, sum_);
     const double done = sum_.gradient.dot(d);
     const bool load = term.role() == Term::Role::LOAD;
@@ -173,6 +197,7 @@ void Stepper::account(const MotionState& from, Trial& out) {
   }
   account.kinetic = kineticEnergy(end.v);
   account.stored = storedEnergy(end.y, out.control);
+  passHistory(out);
   end.kinetic = account.kinetic;
   end.stored = account.stored;
   account.imbalance = account.kinetic + account.stored - from.kinetic - from.stored - account.work + account.loss;
@@ -185,6 +210,20 @@ void Stepper::account(const MotionState& from, Trial& out) {
   }
   if (problem_->coordinates().rotationCount() > 0) {
     end.references = problem_->coordinates().renew(end.z, from.references.get());
+  }
+}
+
+/// What a branch loses is known in closed form; work beyond that and its energy is the scheme's.
+void Stepper::passHistory(Trial& out) {
+  out.end.history.resize(history_count_);
+  solver::Point end{out.end.y, out.control, &out.context.step, problem_->threads()};
+  for (const WithHistory& with : with_history_) {
+    end.kept = out.context.step.kept[with.term].get();
+    const solver::HistoryTerm::Passed passed = with.history->pass(end);
+    out.end.history.segment(with.first, passed.history.size()) = passed.history;
+    out.account.stored += passed.stored;
+    out.account.loss += passed.loss;
+    out.account.terms.push_back({with.history->name(), Term::Role::DISSIPATION, passed.loss});
   }
 }
 

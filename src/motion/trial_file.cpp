@@ -111,6 +111,7 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
     out.axis.damping =
         dampingFromName(solid.choice("damping", {"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"}));
   }
+  if (solid.has("relaxation")) out.axis.relaxation = solid.choice("relaxation", {"on", "off"}) == "on";
   out.axis.stop_stiffness = solid.numberOr("stop_stiffness", out.axis.stop_stiffness, {1, 1e9}, "N/m");
   out.axis.stop_restitution = solid.numberOr("stop_restitution", out.axis.stop_restitution, {0.01, 1}, "1");
   out.axis.hub_stiffness = solid.numberOr("hub_stiffness", out.axis.hub_stiffness, {1, 1e6}, "N m");

@@ -87,11 +87,30 @@ ArmSettings readArm(common::SettingsReader reader) {
   return a;
 }
 
+Relaxation readRelaxation(common::SettingsReader reader) {
+  Relaxation out;
+  out.modulus_is_fast = reader.choice("modulus", {"slow", "fast"}) == "fast";
+  double sum = 0;
+  for (common::SettingsReader& entry : reader.list("terms")) {
+    Relaxation::Term term;
+    term.share = entry.quantity("share", "1", {1e-6, 0.999999});
+    term.time = entry.quantity("time", "s", {1e-6, 1e8});
+    sum += term.share.value;
+    if (!(sum < 1)) entry.fail("share", "makes the sum of the shares " + std::to_string(sum), "a sum below 1");
+    entry.finish();
+    out.terms.push_back(term);
+  }
+  if (out.terms.empty()) reader.fail("terms", "empty", "one or more terms, or no relaxation");
+  reader.finish();
+  return out;
+}
+
 Material readMaterial(common::SettingsReader reader) {
   Material m;
   m.youngs_modulus = reader.quantity("youngs_modulus", "Pa", {1e4, 1e12});
   m.poisson_ratio = reader.quantity("poisson_ratio", "1", {0.0, 0.4999});
   m.mass_density = reader.quantity("mass_density", "kg/m3", {10.0, 25e3});
+  if (reader.has("relaxation")) m.relaxation = readRelaxation(reader.map("relaxation"));
   reader.finish();
   return m;
 }

@@ -87,6 +87,24 @@ struct Wrong {
   const char* key;
 };
 
+/// Text of the shipped vehicle with a memory of its material, in place of its density's line.
+#define DENSITY "  mass_density: {value: 1210.0, unit: kg/m3, source: \"assumption: usual TPU filament\"}"
+#define MEMORY(modulus, share, time)                                       \
+  DENSITY "\n  relaxation: {modulus: " modulus                             \
+          ", terms: [{share: {value: 0.1, unit: \"1\", source: a}, time: " \
+          "{value: 0.05, unit: s, source: a}}, {share: {value: " share     \
+          ", unit: \"1\", source: a}, time: {value: " time ", unit: s, source: a}}]}"
+
+TEST(Vehicle, ReadsTheMemoryOfItsMaterial) {
+  const std::string path = edited(DENSITY, MEMORY("fast", "0.2", "300"));
+  const Relaxation relaxation = loadVehicle(path).material.relaxation;
+  EXPECT_TRUE(relaxation.modulus_is_fast);
+  ASSERT_EQ(relaxation.terms.size(), 2U);
+  EXPECT_EQ(relaxation.terms[1].share.value, 0.2);
+  EXPECT_EQ(relaxation.terms[1].time.value, 300);
+  fs::remove(path);
+}
+
 class WrongVehicle : public testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongVehicle, IsRefusedWithTheKey) {
@@ -124,6 +142,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"travel_max: {value: 0.080", "travel_max: {value: 0.8", "limits.travel_max"},
                     Wrong{"throttle_high: {value: 2000.0", "throttle_high: {value: 1000.0", "radio.throttle_high"},
                     Wrong{"motor_full: {value: 2000.0", "motor_full: {value: 1070.0", "radio.motor_full"},
+                    Wrong{DENSITY, MEMORY("fast", "-0.2", "1"), "material.relaxation.terms[1].share.value"},
+                    Wrong{DENSITY, MEMORY("fast", ".nan", "1"), "material.relaxation.terms[1].share.value"},
+                    Wrong{DENSITY, MEMORY("fast", "0.95", "1"), "material.relaxation.terms[1].share"},
+                    Wrong{DENSITY, MEMORY("slow", "0.2", "0"), "material.relaxation.terms[1].time.value"},
+                    Wrong{DENSITY, MEMORY("slow", "0.2", ".inf"), "material.relaxation.terms[1].time.value"},
+                    Wrong{DENSITY, MEMORY("soft", "0.2", "1"), "material.relaxation.modulus"},
+                    Wrong{DENSITY, DENSITY "\n  relaxation: {modulus: slow, terms: []}", "material.relaxation.terms"},
                     Wrong{"length: {value: 0.987", "length: {value: 0.100", "boom.length"}),
     [](const auto& mistake) { return "Mistake" + std::to_string(mistake.index); });
 

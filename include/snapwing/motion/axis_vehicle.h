@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/elasticity/prony_series.h"
 #include "snapwing/motion/static_curve.h"
 #include "snapwing/motion/stepper.h"
 #include "snapwing/motion/wing_assembly.h"
@@ -44,6 +45,7 @@ struct AxisSettings {
   double least_density = 0.2;  ///< cells below are left out: lighter ones turn inside out in violent trials
   mpm::MassKind mass = mpm::MassKind::CONSISTENT;
   DampingLaw damping = DampingLaw::TRAVEL;
+  bool relaxation = true;         ///< with the memory of the material that the vehicle file states, if any
   double stop_stiffness = 5e4;    ///< [N/m] of the upper stop; assumption, as the restitution
   double stop_restitution = 0.5;  ///< [1] in (0, 1]
   /// [N m] by which a wing's crank is held in the mean rotation of its arm within 4 mm of the axle: an assumption,
@@ -122,14 +124,20 @@ class AxisVehicle {
   std::shared_ptr<const solver::Term> loads(const vehicle::VehicleParameters& p, double carried,
                                             const Eigen::VectorXd& moved) const;
   std::shared_ptr<const solver::Term> damping(double c) const;
+  /// c of the travel in Q that the memory makes of it [N s/m] of the vehicle.
+  double lossOfMemory(const vehicle::VehicleParameters& p) const;
+  double restOfDamping(const vehicle::VehicleParameters& p) const;
+  std::shared_ptr<const solver::Term> memory() const;
   template <int D>
-  std::shared_ptr<const solver::Term> materialDampingIn(double beta) const;
-  std::shared_ptr<const solver::Term> materialDamping(double beta) const;
+  std::shared_ptr<const solver::Term> materialDampingIn(DampingLaw law, double beta) const;
+  std::shared_ptr<const solver::Term> materialDamping(DampingLaw law, double beta) const;
   double lossOf(const solver::Term& term) const;
 
   vehicle::Trial trial_;
   AxisSettings settings_;
   double stop_ = 0;
+  elasticity::PronySeries series_;  ///< empty: no memory
+  bool memory_known_ = false;       ///< the vehicle file states one
   std::unique_ptr<scene::CompiledScene> scene_;
   std::unique_ptr<StaticCurve> curve_;
   double share_ = 1, arm_mass_ = 0;

@@ -10,6 +10,7 @@
 
 #include "snapwing/motion/scheme.h"
 #include "snapwing/solver/equilibrium.h"
+#include "snapwing/solver/prony_term.h"
 #include "snapwing/solver/term_problem.h"
 
 namespace snapwing::motion {
@@ -25,7 +26,8 @@ struct MotionState {
   double last_step = 0;          ///< [s] that it was
   double next_step = 0;          ///< [s] that the error asks for; 0: the largest
   double kinetic = 0;            ///< [J]
-  double stored = 0;             ///< [J]
+  double stored = 0;             ///< [J] that of internal variables included
+  Eigen::VectorXd history;       ///< internal variables of the terms that have some, in the problem's order
 };
 
 struct StepperSettings {
@@ -55,7 +57,7 @@ struct StepAccount {
   double loss = 0;     ///< to dissipation [J]
   /// kinetic + stored - what they were - work + loss [J]: what the scheme itself fed or ate
   double imbalance = 0;
-  std::vector<TermWork> terms;  ///< loads and dissipation, in the problem's order
+  std::vector<TermWork> terms;  ///< loads and dissipation, in the problem's order; those with internal variables last
   int iterations = 0, factorizations = 0;
   double error = 0;      ///< [m] local error, mean over the mass
   double min_det_f = 1;  ///< smallest on the step's path
@@ -100,6 +102,9 @@ class Stepper {
   bool attempt(const MotionState& from, double h, const ControlOf& control, Trial& out);
   bool solve(const MotionState& from, const solver::StepContext& context, Trial& out);
   void account(const MotionState& from, Trial& out);
+  /// Internal variables at the end of a step, with their energy and loss.
+  void passHistory(Trial& out);
+  double heldBy(const Eigen::VectorXd& history) const;  ///< [J]
   double meanOverMass(const Eigen::VectorXd& shift) const;
 
   std::shared_ptr<const solver::TermProblem> problem_;
@@ -107,6 +112,13 @@ class Stepper {
   StepperSettings settings_;
   std::unique_ptr<solver::StepProblem> step_problem_;
   std::unique_ptr<solver::EquilibriumSolver> solver_;
+  struct WithHistory {
+    std::size_t term;  ///< of the problem
+    const solver::HistoryTerm* history;
+    Eigen::Index first;  ///< of its variables
+  };
+  std::vector<WithHistory> with_history_;
+  Eigen::Index history_count_ = 0;
   double total_mass_ = 0;  ///< [kg] summed over coordinates
   int iterations_ = 0, factorizations_ = 0;
   mutable solver::Sum sum_;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "snapwing/mpm/mass.h"
+#include "snapwing/solver/green_particles.h"
 #include "snapwing/solver/term.h"
 
 namespace snapwing::solver {
@@ -49,22 +50,14 @@ class KelvinVoigtTerm : public Term {
 
   std::string name() const override { return "material damping"; }
   Role role() const override { return Role::DISSIPATION; }
-  int region() const override { return region_; }
+  int region() const override { return particles_.region(); }
   std::shared_ptr<const Memory> keep(const Point& start) const override;
   void evaluate(const Point& at, Order order, Sum& sum) const override;
 
  private:
   struct Strains;
-  struct Moduli {
-    double lambda = 0, mu = 0;
-  };
-  template <class Visit>
-  void eachParticle(const Visit& visit) const;
-
-  std::shared_ptr<const mpm::Discretisation<D>> solid_;
+  GreenParticles<D> particles_;
   double beta_;
-  int region_, first_;
-  std::vector<std::vector<Moduli>> moduli_;  ///< per cell and term of its kind [Pa]
 };
 
 }  // namespace snapwing::solver

@@ -42,10 +42,21 @@ struct ArmSettings {
   common::Quantity force_scale;              ///< [1] real force / computed force (printing, material)
 };
 
+/// Memory of the material: its modulus falls from the fast to the slow one after a strain. Without terms it has none.
+struct Relaxation {
+  struct Term {
+    common::Quantity share;  ///< [1] of the fast modulus
+    common::Quantity time;   ///< [s]
+  };
+  bool modulus_is_fast = false;  ///< which one youngs_modulus is
+  std::vector<Term> terms;
+};
+
 struct Material {
   common::Quantity youngs_modulus;  ///< [Pa]
   common::Quantity poisson_ratio;   ///< [1]
   common::Quantity mass_density;    ///< [kg/m3]
+  Relaxation relaxation;
 };
 
 struct Rotors {
