@@ -386,6 +386,11 @@ double AxisVehicle::hubTwist(const MotionState& s) const {
   return largest;
 }
 
+RigidMotions AxisVehicle::rigidMotions() const {
+  if (ring_ < 0) return {};
+  return [up = allUp()](const Eigen::VectorXd&) { return Eigen::MatrixXd(up); };
+}
+
 double AxisVehicle::commonSpeed(const MotionState& s, const Stepper& stepper) const {
   const Eigen::VectorXd up = allUp();
   return up.dot(stepper.momentum(s.v)) / up.dot(stepper.momentum(up));

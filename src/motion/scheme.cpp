@@ -11,7 +11,7 @@ namespace snapwing::motion {
 
 namespace {
 
-constexpr std::array<const char*, 3> NAMES{"backward_euler", "midpoint", "average_force"};
+constexpr std::array<const char*, 4> NAMES{"backward_euler", "midpoint", "average_force", "corrected_midpoint"};
 
 /// Gauss points and weights on [0, 1].
 std::vector<std::pair<double, double>> gauss(int points) {
@@ -40,7 +40,7 @@ SchemeKind schemeFromName(const std::string& name) {
   for (std::size_t k = 0; k < NAMES.size(); ++k) {
     if (name == NAMES[k]) return static_cast<SchemeKind>(k);
   }
-  throw common::Error("scheme is '" + name + "'; allowed: backward_euler, midpoint, average_force");
+  throw common::Error("scheme is '" + name + "'; allowed: backward_euler, midpoint, average_force, corrected_midpoint");
 }
 
 std::string schemeName(SchemeKind kind) { return NAMES[static_cast<std::size_t>(kind)]; }
@@ -61,13 +61,13 @@ solver::Step Scheme::begin(double h, const Eigen::VectorXd& y0, const Eigen::Vec
   step.v0 = v0;
   step.kappa = (kind_ == SchemeKind::BACKWARD_EULER ? 1 : 2) / (h * h);
   if (kind_ == SchemeKind::AVERAGE_FORCE) step.path = gauss(points_);
-  if (kind_ == SchemeKind::MIDPOINT) step.path = {{0.5 * (1 + bias_), 1.0}};
+  if (kind_ == SchemeKind::MIDPOINT || kind_ == SchemeKind::CORRECTED_MIDPOINT) step.path = {{0.5 * (1 + bias_), 1.0}};
   return step;
 }
 
-Eigen::VectorXd Scheme::rates(const solver::Step& step, const Eigen::VectorXd& y1) const {
-  if (kind_ == SchemeKind::BACKWARD_EULER) return (y1 - step.y0) / step.h;
-  return 2 / step.h * (y1 - step.y0) - step.v0;
+Eigen::VectorXd Scheme::rates(double h, const Eigen::VectorXd& d, const Eigen::VectorXd& v0) const {
+  if (kind_ == SchemeKind::BACKWARD_EULER) return d / h;
+  return 2 / h * d - v0;
 }
 
 Eigen::VectorXd Scheme::localError(const Eigen::VectorXd& change, const Eigen::VectorXd& acceleration, double h,

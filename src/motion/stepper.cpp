@@ -46,13 +46,17 @@ struct Stepper::Trial {
 };
 
 Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Scheme& scheme,
-                 const StepperSettings& settings)
-    : problem_(std::move(problem)), scheme_(scheme), settings_(settings) {
+                 const StepperSettings& settings, RigidMotions rigid)
+    : problem_(std::move(problem)), scheme_(scheme), settings_(settings), rigid_(std::move(rigid)) {
   settings_.validate();
   step_problem_ = std::make_unique<solver::StepProblem>(problem_, nullptr, nullptr);
   solver::NewtonSettings newton;
   newton.max_iterations = settings.max_iterations;
   newton.relative_tolerance = settings.relative_tolerance;
+  if (scheme.kind() == SchemeKind::CORRECTED_MIDPOINT) {
+    // What a residual leaves is work that no scalar takes back.
+    newton.relative_tolerance = std::max(1e-3 * settings.relative_tolerance, 1e-15);
+  }
   newton.projection = settings.projection;
   newton.keep_factor = settings.keep_factor;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem_->controlCount());
@@ -164,11 +168,12 @@ bool Stepper::attempt(const MotionState& from, double h, const ControlOf& contro
     problem_->coordinates().at(from.z, out.control, from.references.get(), *place);
     out.context.mean_with = place;
   }
-  const bool good = solve(from, out.context, out);
+  bool good = solve(from, out.context, out);
+  if (good) account(from, out);
+  if (good && scheme_.kind() == SchemeKind::CORRECTED_MIDPOINT) good = correct(from, out);
   iterations_ += out.account.iterations;
   factorizations_ += out.account.factorizations;
   if (!good) return false;
-  account(from, out);
   // The path may miss what the end shows: a solid turned inside out.
   return std::isfinite(out.account.stored);
 }
@@ -178,11 +183,13 @@ void Stepper::account(const MotionState& from, Trial& out) {
   MotionState& end = out.end;
   end.time = from.time + step.h;
   end.y = out.x.at.place.y;
-  end.v = scheme_.rates(step, end.y);
+  end.v = scheme_.rates(step.h, end.y - from.y, from.v);
   end.acceleration = (end.v - from.v) / step.h;
   end.last_step = step.h;
   end.references = from.references;
   StepAccount& account = out.account;
+  account.terms.clear();
+  account.work = account.loss = 0;
   const Eigen::VectorXd d = end.y - from.y;
   const solver::Point point{end.y, out.control, &step, problem_->threads()};
   for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
@@ -211,6 +218,50 @@ void Stepper::account(const MotionState& from, Trial& out) {
   if (problem_->coordinates().rotationCount() > 0) {
     end.references = problem_->coordinates().renew(end.z, from.references.get());
   }
+}
+
+Eigen::VectorXd Stepper::withoutRigidPart(const Eigen::VectorXd& y, const Eigen::VectorXd& d) const {
+  if (!rigid_) return d;
+  const Eigen::MatrixXd motions = rigid_(y);
+  Eigen::MatrixXd weighed(motions.rows(), motions.cols());
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) weighed.col(k) = momentum(motions.col(k));
+  const Eigen::MatrixXd masses = motions.transpose() * weighed;
+  return d - motions * masses.ldlt().solve(weighed.transpose() * d);
+}
+
+/// The force is beta M d' on the step, beta (d' . M d') the work that the account misses. As beta h^2 is small it
+/// converges in a few rounds with d' of the round before; inertia takes it as a change of the rates at the start.
+bool Stepper::correct(const MotionState& from, Trial& out) {
+  constexpr int ROUNDS = 8;
+  constexpr double CLOSED = 1e-14, LARGEST = 0.1;  // of the energies; of 1/h^2
+  solver::Step& step = out.context.step;
+  double beta = 0, before = 0, slope = 0;  // slope: of what is missing by beta
+  for (int round = 0; round < ROUNDS; ++round) {
+    const StepAccount& now = out.account;
+    const double missing = now.imbalance;
+    if (!std::isfinite(missing)) return false;
+    if (std::abs(missing) <= CLOSED * (now.kinetic + std::abs(now.stored) + std::abs(now.work) + now.loss)) break;
+    if (round > 0 && std::abs(missing) >= std::abs(before)) break;  // Newton's tolerance is reached
+    const Eigen::VectorXd d = out.end.y - from.y, own = withoutRigidPart(from.y + 0.5 * d, d);
+    const double square = own.dot(momentum(own));
+    // What hardly changes its shape has no room for it, and no need.
+    if (!(square > 1e-24 * d.dot(momentum(d)))) break;
+    const bool secant = round > 0 && slope < -0.2 * square && slope > -5 * square;
+    const double more = missing / (secant ? -slope : square);
+    beta += more;
+    if (std::abs(beta) * step.h * step.h > LARGEST) return false;
+    step.v0 = from.v - beta / (step.kappa * step.h) * own;
+    out.newton = solver_->minimise(out.x);
+    out.account.iterations += out.newton.iterations;
+    out.account.factorizations += out.newton.factorizations;
+    if (!out.newton.converged()) return false;
+    out.end.z = out.x.z;
+    out.end.multipliers = out.x.multipliers;
+    account(from, out);
+    before = missing;
+    slope = (out.account.imbalance - missing) / more;
+  }
+  return true;
 }
 
 /// What a branch loses is known in closed form; work beyond that and its energy is the scheme's.

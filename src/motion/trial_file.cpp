@@ -76,7 +76,8 @@ void readSteps(SettingsReader& reader, TrialFile& out) {
   if (!reader.has("time")) return;
   SettingsReader time = reader.map("time");
   if (time.has("scheme")) {
-    out.scheme = schemeFromName(time.choice("scheme", {"backward_euler", "midpoint", "average_force"}));
+    out.scheme =
+        schemeFromName(time.choice("scheme", {"backward_euler", "midpoint", "average_force", "corrected_midpoint"}));
   }
   out.points = time.integerOr("points", out.points, 1, 4);
   out.bias = time.numberOr("bias", 0, {0, 0.5}, "1");

@@ -277,7 +277,7 @@ int runSolid(const Work& work) {
                                                   work.parameters, work.idle, work.file.trial);
   for (const motion::TrialLevel& level : work.file.then) trial.then.push_back({work.fractionOf(level), level.duration});
   motion::Stepper stepper(vehicle.problem(), motion::Scheme(work.file.scheme, work.file.points, work.file.bias),
-                          work.file.steps);
+                          work.file.steps, vehicle.rigidMotions());
   motion::AxisRun run;
   const std::string checkpoint = work.path("checkpoint.bin"), owner = work.hash();
   if (std::filesystem::exists(checkpoint)) {

@@ -147,6 +147,7 @@ TEST(Schemes, HaveTheirOrder) {
   EXPECT_NEAR(order(Scheme(SchemeKind::BACKWARD_EULER)), 1, 0.2);
   EXPECT_NEAR(order(Scheme(SchemeKind::MIDPOINT)), 2, 0.2);
   EXPECT_NEAR(order(Scheme(SchemeKind::AVERAGE_FORCE)), 2, 0.2);
+  EXPECT_NEAR(order(Scheme(SchemeKind::CORRECTED_MIDPOINT)), 2, 0.2);
 }
 
 /// The local error that is told is the one that was made: halved steps cut it to an eighth.

@@ -97,6 +97,8 @@ class AxisVehicle {
   double wingAngle(const MotionState& s, bool left) const;
   /// Largest angle between a crank and its arm [rad]; 0 without wings.
   double hubTwist(const MotionState& s) const;
+  /// What the scheme CORRECTED_MIDPOINT must leave alone: the motion of all along the axis.
+  RigidMotions rigidMotions() const;
   /// Momentum along the axis / mass of all that moves [m/s].
   double commonSpeed(const MotionState& s, const Stepper& stepper) const;
   /// Deformed cells in the ring's frame, as VTU text.

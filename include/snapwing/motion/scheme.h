@@ -6,7 +6,11 @@
 ///                   1 - 1/sqrt(1 + (w h)^2) of its amplitude a step. The paper's.
 ///   MIDPOINT        kappa = 2/h^2, force at the middle, v1 = 2 d/h - v0. Second order; keeps linear and angular
 ///                   momentum to rounding, energy to O(h^2).
-///   AVERAGE_FORCE   the same with the force averaged at Gauss points: keeps energy to O(h^2m) for m points. The step
+///   CORRECTED_MIDPOINT  the same with a force beta M d' more, beta such that the step's account of energy closes, d'
+///   the
+///                   step less its rigid part (Stepper): keeps both momenta and energy. The scalar costs some solves.
+///   AVERAGE_FORCE   the midpoint's mass with the force averaged at Gauss points: keeps energy to O(h^2m) for m points.
+///   The step
 ///                   has a potential with a symmetric Hessian. Angular momentum of a turning soft body to O(h^2).
 
 #include <Eigen/Core>
@@ -16,9 +20,9 @@
 
 namespace snapwing::motion {
 
-enum class SchemeKind { BACKWARD_EULER, MIDPOINT, AVERAGE_FORCE };
+enum class SchemeKind { BACKWARD_EULER, MIDPOINT, AVERAGE_FORCE, CORRECTED_MIDPOINT };
 
-/// backward_euler, midpoint or average_force. @throws common::Error
+/// backward_euler, midpoint, average_force or corrected_midpoint. @throws common::Error
 SchemeKind schemeFromName(const std::string& name);
 std::string schemeName(SchemeKind kind);
 
@@ -34,7 +38,8 @@ class Scheme {
   /// Weight of the mass, rates and path of a step. @param h  [s] > 0
   solver::Step begin(double h, const Eigen::VectorXd& y0, const Eigen::VectorXd& v0) const;
   /// Rates at the end of a step [m/s].
-  Eigen::VectorXd rates(const solver::Step& step, const Eigen::VectorXd& y1) const;
+  /// @param d  of the full coordinates [m]; @param v0  rates at its start [m/s]
+  Eigen::VectorXd rates(double h, const Eigen::VectorXd& d, const Eigen::VectorXd& v0) const;
   /// The residual is tested along the mean of both ends' rotations.
   bool meanDirections() const { return kind_ != SchemeKind::BACKWARD_EULER; }
   /// Local error of a step [m], from how much the mean acceleration changed since the step before.

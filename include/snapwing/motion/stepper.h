@@ -66,13 +66,20 @@ struct StepAccount {
 /// Called where steps begin: the controls for one that goes from `from` to `from + h` (means over it).
 using ControlOf = std::function<Eigen::VectorXd(double from, double h)>;
 
+/// Rigid motions of all that moves at full coordinates y, one a column: along them the scheme CORRECTED_MIDPOINT adds
+/// no force.
+using RigidMotions = std::function<Eigen::MatrixXd(const Eigen::VectorXd& y)>;
+
 /// M v of a problem's terms of inertia by coordinate [kg m/s], for rates v [m/s].
 Eigen::VectorXd momentumOf(const solver::TermProblem& problem, const Eigen::VectorXd& v);
 
 class Stepper {
  public:
   /// @param problem  with its inertia. @throws common::Error for settings
-  Stepper(std::shared_ptr<const solver::TermProblem> problem, const Scheme& scheme, const StepperSettings& settings);
+  /// @param rigid  for CORRECTED_MIDPOINT, whose controls must be loads: what moves coordinates does work that the
+  /// account does not know. Empty: momenta are not kept by its force
+  Stepper(std::shared_ptr<const solver::TermProblem> problem, const Scheme& scheme, const StepperSettings& settings,
+          RigidMotions rigid = {});
   ~Stepper();
 
   /// At rest, or moving with `rate`, at free coordinates. @param rate  full [m/s]; empty: at rest
@@ -102,6 +109,9 @@ class Stepper {
   bool attempt(const MotionState& from, double h, const ControlOf& control, Trial& out);
   bool solve(const MotionState& from, const solver::StepContext& context, Trial& out);
   void account(const MotionState& from, Trial& out);
+  /// Solves the step again until its account closes. @return false: no bounded force does it
+  bool correct(const MotionState& from, Trial& out);
+  Eigen::VectorXd withoutRigidPart(const Eigen::VectorXd& y, const Eigen::VectorXd& d) const;
   /// Internal variables at the end of a step, with their energy and loss.
   void passHistory(Trial& out);
   double heldBy(const Eigen::VectorXd& history) const;  ///< [J]
@@ -110,6 +120,7 @@ class Stepper {
   std::shared_ptr<const solver::TermProblem> problem_;
   Scheme scheme_;
   StepperSettings settings_;
+  RigidMotions rigid_;
   std::unique_ptr<solver::StepProblem> step_problem_;
   std::unique_ptr<solver::EquilibriumSolver> solver_;
   struct WithHistory {
