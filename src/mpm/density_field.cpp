@@ -104,7 +104,7 @@ DensityField loadDensityCsv(const std::string& path, double length, double heigh
   return field;
 }
 
-DensityField DensityField::resampled(double new_cell_size) const {
+DensityField DensityField::resampled(double new_cell_size, double power) const {
   DensityField result;
   result.cell_size = new_cell_size;
   for (int a = 0; a < 2; ++a) {
@@ -127,11 +127,12 @@ DensityField DensityField::resampled(double new_cell_size) const {
           const double high = std::min<double>(sj + 1, (j + 1) * ratio) - std::max<double>(sj, j * ratio);
           if (wide <= 0 || high <= 0) continue;
           covered += wide * high;
-          sum += wide * high * at(si, sj);
+          sum += wide * high * std::pow(at(si, sj), power);
         }
       }
       if (covered > 1e-9 * ratio * ratio) {
-        result.value[static_cast<std::size_t>(j) * result.cells[0] + i] = std::min(1.0, sum / (ratio * ratio));
+        const double mean = std::pow(sum / (ratio * ratio), 1 / power);
+        result.value[static_cast<std::size_t>(j) * result.cells[0] + i] = std::min(1.0, mean);
       }
     }
   }

@@ -16,20 +16,24 @@ namespace snapwing::tools {
 
 namespace {
 
+constexpr int UNDECIDED = 3;  // exit code: nothing failed, but an error bar reaches across a limit
+
 struct Options {
   std::string vehicle_file, folder;
   std::vector<std::string> plans;
   validation::ValidationSettings settings;
-  bool no_volumetric = false, quiet = false;
+  bool no_volumetric = false, one_size = false, quiet = false;
 };
 
 void printChecks(const std::vector<validation::Check>& checks) {
   for (const validation::Check& c : checks) {
     if (c.verdict == validation::Verdict::TOLD) continue;
     std::printf("%-4s  %s", validation::verdictName(c.verdict).c_str(), c.name.c_str());
-    if (std::isfinite(c.value)) std::printf(": %.4g %s", c.value, c.unit.c_str());
+    if (std::isfinite(c.value)) std::printf(": %.4g", c.value);
+    if (c.error > 0) std::printf(" +- %.2g", c.error);
+    if (std::isfinite(c.value)) std::printf(" %s", c.unit.c_str());
     const bool bounded = !std::isnan(c.low) || !std::isnan(c.high);
-    if (c.verdict == validation::Verdict::FAIL && bounded) {
+    if (c.verdict != validation::Verdict::PASS && bounded) {
       std::printf(" (allowed %s)", validation::allowedWords(c).c_str());
     }
     if (!c.words.empty()) std::printf(": %s", c.words.c_str());
@@ -60,6 +64,7 @@ validation::Validation run(const Options& options, const vehicle::Vehicle& vehic
   for (const std::string& path : options.plans) plans.push_back(validation::loadPlan(path));
   validation::ValidationSettings settings = options.settings;
   settings.volumetric = !options.no_volumetric;
+  settings.extrapolate = !options.one_size;
   const InterruptGuard guard;
   validation::ValidationHooks hooks;
   hooks.folder = options.folder + "/trials";
@@ -113,8 +118,15 @@ int validateVehicle(const Options& options) {
                               validation::reportHtml(found, tables.arm ? *tables.arm : vehicle::ForceTable{}, head));
   common::writeFileAtomically(options.folder + "/validation.json", validation::reportJson(found, head));
   printChecks(found.checks);
-  std::printf("%s: %s; %s\n", vehicle.name.c_str(), found.passed() ? "passed" : "NOT passed", page.c_str());
-  return found.passed() ? 0 : 1;
+  const char* verdict = found.passed() ? "passed" : found.undecided() ? "NOT decided" : "NOT passed";
+  std::printf("%s: %s; %s\n", vehicle.name.c_str(), verdict, page.c_str());
+  if (found.undecided()) {
+    const validation::ValidationSettings& s = options.settings;
+    std::printf("to decide: the same with smaller cells, --cell-size %g (planar)", s.planar_cell / 2);
+    if (!options.no_volumetric) std::printf(", --solid-cell-size %g (volumetric)", s.solid_cell / 2);
+    std::printf("\n");
+  }
+  return found.passed() ? 0 : found.undecided() ? UNDECIDED : 1;
 }
 
 }  // namespace
@@ -136,9 +148,13 @@ void addValidateCommand(CLI::App& app, int& exit_code) {
   command->add_option("--samples", s.samples, "vehicles drawn from the uncertainty box for each plan")
       ->check(wholeNumber(0, 10000))
       ->capture_default_str();
-  command->add_option("--cell-size", s.planar_cell, "of the planar rung [m]")
+  command
+      ->add_option("--cell-size", s.planar_cell,
+                   "of the planar rung [m]; its curve and shortest pulse are judged on half of that, too")
       ->check(realNumber(1e-4, 0.02, "m"))
       ->capture_default_str();
+  command->add_flag("--one-cell-size", options->one_size,
+                    "judge the planar rung on --cell-size alone, without an error bar: a quick look");
   command->add_option("--solid-cell-size", s.solid_cell, "of the volumetric rung [m]")
       ->check(realNumber(1e-4, 0.02, "m"))
       ->capture_default_str();
@@ -151,8 +167,8 @@ void addValidateCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
-      "Exit code: 0 passed, 1 a check failed (named) or stopped, 2 bad input. The same command goes on with a run "
-      "that was stopped.");
+      "Exit code: 0 passed, 1 a check failed (named) or stopped, 2 bad input, 3 none failed, but one is undecided. The "
+      "same command goes on with a run that was stopped.");
   command->callback([options, &exit_code] { exit_code = validateVehicle(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "snapwing/common/error.h"
+#include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/mpm/density_file.h"
 #include "snapwing/scene/arm_scene.h"
 #include "snapwing/statics/scene_curve.h"
@@ -32,7 +33,8 @@ std::string listed(const std::vector<double>& travels) {
 ArmCurve traceArm(const vehicle::Vehicle& vehicle, const std::string& body, double cell_size,
                   const std::function<bool()>& cancelled) {
   const vehicle::ArmSettings& arm = vehicle.arm;
-  const mpm::DensityField field = mpm::loadDensityCsv(body, arm.domain_length, arm.domain_height).resampled(cell_size);
+  const mpm::DensityField field = mpm::loadDensityCsv(body, arm.domain_length, arm.domain_height)
+                                      .resampled(cell_size, elasticity::DensityInterpolation().power);
   scene::ArmSceneSettings settings;
   settings.back = false;
   scene::Scene scene = scene::armScene(vehicle, field, settings);
@@ -45,6 +47,7 @@ ArmCurve traceArm(const vehicle::Vehicle& vehicle, const std::string& body, doub
   const statics::SceneCurve traced =
       statics::traceScene(scene, *compiled, how, [&](double, double) { return cancelled && cancelled(); });
   ArmCurve curve;
+  curve.cell_size = cell_size;
   if (traced.path.status != solver::SolveStatus::CONVERGED) {
     curve.failure = solver::statusName(traced.path.status) + ": " + traced.path.message;
   }
@@ -65,35 +68,94 @@ ArmCurve traceArm(const vehicle::Vehicle& vehicle, const std::string& body, doub
   return curve;
 }
 
-std::vector<Check> checkCurve(const ArmCurve& curve, const vehicle::ForceTable& table,
+Estimate estimateOf(const std::vector<ArmCurve>& curves, double ArmCurve::*member) {
+  if (curves.empty()) return {};
+  const ArmCurve &coarse = curves.front(), &fine = curves.back();
+  if (curves.size() == 1) return {fine.*member, 0};
+  return limitOfCells(fine.*member, coarse.*member, coarse.cell_size / fine.cell_size);
+}
+
+namespace {
+
+std::string wholeWords(const ArmCurve& curve) {
+  return curve.failure.empty() ? std::to_string(curve.travel.size()) + " points, all converged" : curve.failure;
+}
+
+bool snaps(const ArmCurve& curve) { return !curve.turns.empty() || curve.unstable > 0; }
+
+std::string snapWords(const ArmCurve& curve) {
+  if (!curve.turns.empty())
+    return "the travel turns back at " + listed(curve.turns) + ": the arm jumps there by itself";
+  if (curve.unstable == 0) return "stable at every travel";
+  return std::to_string(curve.unstable) + " points are unstable at their travel: the arm jumps there by itself";
+}
+
+std::string stateWords(const ArmCurve& curve) {
+  return curve.bistable ? "second equilibrium at " + shortly(1e3 * curve.second_travel) + " mm"
+                        : "the force has no second stable zero";
+}
+
+/// PASS if it holds on each curve, FAIL if on none.
+Check onEach(const std::string& name, const std::vector<ArmCurve>& curves, bool (*holds)(const ArmCurve&),
+             std::string (*words)(const ArmCurve&)) {
+  std::size_t good = 0;
+  std::string text;
+  for (const ArmCurve& curve : curves) {
+    good += holds(curve) ? 1 : 0;
+    if (curves.size() > 1) text += (text.empty() ? "" : "; ") + shortly(1e3 * curve.cell_size) + " mm: ";
+    text += words(curve);
+  }
+  Check check = yesOrNo(name, good == curves.size(), text);
+  if (good > 0 && good < curves.size()) {
+    check.verdict = Verdict::UNDECIDED;
+    check.words += "; smaller cells decide";
+  }
+  return check;
+}
+
+/// e.g. "3.775, 3.668 N"
+std::string atEach(const std::vector<ArmCurve>& curves, double ArmCurve::*member, double factor,
+                   const std::string& unit) {
+  if (curves.size() == 1) return {};
+  std::string text;
+  for (const ArmCurve& curve : curves) text += (text.empty() ? "" : ", ") + shortly(factor * curve.*member);
+  return "; " + text + " " + unit + " with cells of " + shortly(1e3 * curves.front().cell_size) + ", " +
+         shortly(1e3 * curves.back().cell_size) + " mm";
+}
+
+}  // namespace
+
+std::vector<Check> checkCurve(const std::vector<ArmCurve>& curves, const vehicle::ForceTable& table,
                               const vehicle::Vehicle& vehicle) {
   const vehicle::CurveFeatures stated = vehicle::curveFeatures(table);
   const std::string name = "static curve: ";
   std::vector<Check> checks;
-  checks.push_back(
-      yesOrNo(name + "whole path", curve.failure.empty(),
-              curve.failure.empty() ? std::to_string(curve.travel.size()) + " points, all converged" : curve.failure));
-  const bool snaps = !curve.turns.empty() || curve.unstable > 0;
-  checks.push_back(yesOrNo(
-      name + "no internal snap", !snaps,
-      !curve.turns.empty() ? "the travel turns back at " + listed(curve.turns) + ": the arm jumps there by itself"
-      : snaps ? std::to_string(curve.unstable) + " points are unstable at their travel: the arm jumps there by itself"
-              : "stable at every travel"));
-  if (!curve.failure.empty() || !curve.turns.empty()) return checks;
-  checks.push_back(yesOrNo(name + "two stable states", curve.bistable,
-                           curve.bistable ? "second equilibrium at " + shortly(1e3 * curve.second_travel) + " mm"
-                                          : "the force has no second stable zero"));
-  const common::Quantity& scale = vehicle.arm.force_scale;
-  checks.push_back(within(name + "peak", curve.peak_force, scale.low() * stated.peak_force,
-                          scale.high() * stated.peak_force, "N", "allowed: the table's, within arm.force_scale"));
-  if (curve.bistable) {
-    checks.push_back(
-        within(name + "second equilibrium", 1e3 * curve.second_travel, 1e3 * (stated.second_travel - SECOND_TOLERANCE),
-               1e3 * (stated.second_travel + SECOND_TOLERANCE), "mm", "allowed: the table's, within 2 mm"));
+  checks.push_back(onEach(
+      name + "whole path", curves, [](const ArmCurve& c) { return c.failure.empty(); }, wholeWords));
+  checks.push_back(onEach(
+      name + "no internal snap", curves, [](const ArmCurve& c) { return !snaps(c); }, snapWords));
+  for (const ArmCurve& curve : curves) {
+    if (!curve.failure.empty() || !curve.turns.empty()) return checks;
   }
+  checks.push_back(onEach(
+      name + "two stable states", curves, [](const ArmCurve& c) { return c.bistable; }, stateWords));
+  const common::Quantity& scale = vehicle.arm.force_scale;
   checks.push_back(
-      told(name + "valley", curve.valley_force, "N", "the table has " + shortly(stated.valley_force) + " N"));
-  checks.push_back(told(name + "smallest det F", curve.min_det_f, "1"));
+      within(name + "peak", estimateOf(curves, &ArmCurve::peak_force), scale.low() * stated.peak_force,
+             scale.high() * stated.peak_force, "N",
+             "allowed: the table's, within arm.force_scale" + atEach(curves, &ArmCurve::peak_force, 1, "N")));
+  if (checks[2].verdict == Verdict::PASS) {
+    const Estimate second = estimateOf(curves, &ArmCurve::second_travel).times(1e3);
+    checks.push_back(within(name + "second equilibrium", second, 1e3 * (stated.second_travel - SECOND_TOLERANCE),
+                            1e3 * (stated.second_travel + SECOND_TOLERANCE), "mm",
+                            "allowed: the table's, within 2 mm" + atEach(curves, &ArmCurve::second_travel, 1e3, "mm")));
+  }
+  const Estimate valley = estimateOf(curves, &ArmCurve::valley_force);
+  checks.push_back(
+      told(name + "valley", valley.value, "N",
+           "the table has " + shortly(stated.valley_force) + " N" + atEach(curves, &ArmCurve::valley_force, 1, "N")));
+  checks.back().error = valley.error;
+  checks.push_back(told(name + "smallest det F", curves.back().min_det_f, "1"));
   return checks;
 }
 

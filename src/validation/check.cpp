@@ -8,6 +8,7 @@ namespace snapwing::validation {
 
 std::string verdictName(Verdict verdict) {
   if (verdict == Verdict::PASS) return "pass";
+  if (verdict == Verdict::UNDECIDED) return "UNDECIDED";
   return verdict == Verdict::FAIL ? "FAIL" : "told";
 }
 
@@ -30,6 +31,21 @@ Check within(const std::string& name, double value, double low, double high, con
   return {name, holds ? Verdict::PASS : Verdict::FAIL, value, low, high, unit, words};
 }
 
+Check within(const std::string& name, const Estimate& value, double low, double high, const std::string& unit,
+             const std::string& words) {
+  Check check = within(name, value.value, low, high, unit, words);
+  check.error = value.error;
+  const double least = value.value - value.error, most = value.value + value.error;
+  const bool whole = !(least < low) && !(most > high), none = most < low || least > high;
+  // A bar that is no number decides nothing for the good.
+  if (std::isfinite(value.value) && !none && !(whole && std::isfinite(value.error))) {
+    check.verdict = Verdict::UNDECIDED;
+    check.words +=
+        std::string(words.empty() ? "" : "; ") + "the error bar reaches across the limit: smaller cells decide";
+  }
+  return check;
+}
+
 Check yesOrNo(const std::string& name, bool holds, const std::string& words) {
   Check check;
   check.name = name;
@@ -48,10 +64,20 @@ Check told(const std::string& name, double value, const std::string& unit, const
   return check;
 }
 
+namespace {
+
+bool has(const std::vector<Check>& checks, Verdict verdict) {
+  return std::any_of(checks.begin(), checks.end(), [&](const Check& check) { return check.verdict == verdict; });
+}
+
+}  // namespace
+
 bool passed(const std::vector<Check>& checks) {
-  const auto is = [](Verdict verdict) { return [verdict](const Check& check) { return check.verdict == verdict; }; };
-  return std::none_of(checks.begin(), checks.end(), is(Verdict::FAIL)) &&
-         std::any_of(checks.begin(), checks.end(), is(Verdict::PASS));
+  return !has(checks, Verdict::FAIL) && !has(checks, Verdict::UNDECIDED) && has(checks, Verdict::PASS);
+}
+
+bool undecided(const std::vector<Check>& checks) {
+  return !has(checks, Verdict::FAIL) && has(checks, Verdict::UNDECIDED);
 }
 
 }  // namespace snapwing::validation

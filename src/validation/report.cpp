@@ -15,10 +15,11 @@ using motion::TrialRung;
 using nlohmann::ordered_json;
 
 const char* const STYLE =
-    "<style>:root{color-scheme:light dark;--line:#8884;--pass:#1a7f37;--fail:#cf222e}"
+    "<style>:root{color-scheme:light dark;--line:#8884;--pass:#1a7f37;--fail:#cf222e;--undecided:#9a6700}"
     "body{font:15px/1.45 system-ui,sans-serif;max-width:1320px;margin:1.5em auto;padding:0 1em}"
     "h1{margin:.2em 0}.verdict{font-size:1.25em;font-weight:600;padding:.4em .8em;border-left:6px solid}"
-    ".pass{color:var(--pass)}.fail{color:var(--fail)}table{border-collapse:collapse;width:100%;margin:.6em 0 1.4em}"
+    ".pass{color:var(--pass)}.fail{color:var(--fail)}.undecided{color:var(--undecided)}table{border-collapse:collapse;"
+    "width:100%;margin:.6em 0 1.4em}"
     "th,td{text-align:left;padding:.25em .6em;border-bottom:1px solid var(--line);vertical-align:top}"
     "td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}"
     ".plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(460px,1fr));gap:1em}"
@@ -39,19 +40,24 @@ std::string cell(const std::string& text, const std::string& kind = {}) {
 }
 
 std::string checkRow(const Check& c) {
-  const std::string kind = c.verdict == Verdict::PASS ? "pass" : c.verdict == Verdict::FAIL ? "fail" : "";
-  const std::string value = number(c.value) + (std::isfinite(c.value) ? " " + c.unit : "");
-  return "<tr>" + cell(verdictName(c.verdict), kind) + cell(c.name) + cell(value, "n") + cell(allowedWords(c)) +
-         cell(c.words) + "</tr>\n";
+  const std::string kind = c.verdict == Verdict::PASS        ? "pass"
+                           : c.verdict == Verdict::FAIL      ? "fail"
+                           : c.verdict == Verdict::UNDECIDED ? "undecided"
+                                                             : "";
+  const std::string bar = c.error > 0 ? " &plusmn; " + number(c.error) : "";
+  return "<tr>" + cell(verdictName(c.verdict), kind) + cell(c.name) + "<td class='n'>" + number(c.value) + bar +
+         escaped(std::isfinite(c.value) ? " " + c.unit : "") + "</td>" + cell(allowedWords(c)) + cell(c.words) +
+         "</tr>\n";
 }
 
 std::string checkTable(const Validation& found, bool gating) {
   std::string html = "<table><tr><th></th><th>what</th><th>found</th><th>" +
                      std::string(gating ? "allowed" : "met in use") + "</th><th></th></tr>\n";
   // What failed is read first.
-  for (const bool failed : {true, false}) {
+  for (const Verdict verdict : {Verdict::FAIL, Verdict::UNDECIDED, Verdict::PASS, Verdict::TOLD}) {
+    if ((verdict != Verdict::TOLD) != gating) continue;
     for (const Check& c : found.checks) {
-      if ((c.verdict != Verdict::TOLD) == gating && (c.verdict == Verdict::FAIL) == failed) html += checkRow(c);
+      if (c.verdict == verdict) html += checkRow(c);
     }
   }
   return html + "</table>\n";
@@ -59,17 +65,22 @@ std::string checkTable(const Validation& found, bool gating) {
 
 std::string curvePlot(const Validation& found, const vehicle::ForceTable& table) {
   PlotLine stated{"table (lumped rung)", table.travel, table.force, "#888", true};
-  PlotLine traced{"body, traced anew (planar)", found.curve.travel, found.curve.force, "#0969da"};
   for (double& f : stated.y) f *= table.arm_count;
+  std::vector<PlotLine> lines = {stated};
+  for (const ArmCurve& curve : found.curves) {
+    const bool finest = &curve == &found.curves.back();
+    lines.push_back({"body, cells of " + number(1e3 * curve.cell_size) + " mm (planar)", curve.travel, curve.force,
+                     finest ? "#0969da" : "#54aeff"});
+  }
   // The far end, where arms are stretched straight, would hide peak and valley.
   const double second = table.travel.empty() ? NAN : vehicle::curveFeatures(table).second_travel;
-  for (PlotLine* line : {&stated, &traced}) {
-    for (std::size_t k = 0; k < line->x.size(); ++k) {
-      if (line->x[k] < 0 || line->x[k] > 1.15 * second) line->y[k] = NAN;
-      line->x[k] = line->y[k] == line->y[k] ? 1e3 * line->x[k] : NAN;
+  for (PlotLine& line : lines) {
+    for (std::size_t k = 0; k < line.x.size(); ++k) {
+      if (line.x[k] < 0 || line.x[k] > 1.15 * second) line.y[k] = NAN;
+      line.x[k] = line.y[k] == line.y[k] ? 1e3 * line.x[k] : NAN;
     }
   }
-  return linePlot("Force of all arms", "travel [mm]", "force [N]", {stated, traced});
+  return linePlot("Force of all arms", "travel [mm]", "force [N]", lines);
 }
 
 PlotLine travelOf(const ValidationTrial& t, const std::string& name, const std::string& colour, bool dashed) {
@@ -81,7 +92,7 @@ PlotLine travelOf(const ValidationTrial& t, const std::string& name, const std::
 std::string plots(const Validation& found, int plan) {
   std::vector<PlotLine> nominal, others;
   for (const ValidationTrial& t : found.trials) {
-    if (t.plan != plan || t.outcome.time.empty()) continue;
+    if (t.plan != plan || t.finer || t.outcome.time.empty()) continue;
     const TrialRung rung = t.trial.rung;
     if (t.role == TrialRole::NOMINAL) {
       const char* colour = rung == TrialRung::LUMPED ? "#888" : rung == TrialRung::PLANAR ? "#0969da" : "#bf3989";
@@ -132,25 +143,29 @@ std::string trialTable(const Validation& found) {
 
 ordered_json checkJson(const Check& c) {
   return {{"name", c.name},   {"verdict", verdictName(c.verdict)},
-          {"value", c.value}, {"low", c.low},
-          {"high", c.high},   {"unit", c.unit},
-          {"words", c.words}};
+          {"value", c.value}, {"error", c.error},
+          {"low", c.low},     {"high", c.high},
+          {"unit", c.unit},   {"words", c.words}};
 }
 
 }  // namespace
 
 std::string reportHtml(const Validation& found, const vehicle::ForceTable& table, const ReportHead& head) {
   const bool good = found.passed();
-  int failed = 0, passed = 0;
+  int failed = 0, passed = 0, open = 0;
   for (const Check& c : found.checks) {
     failed += c.verdict == Verdict::FAIL;
     passed += c.verdict == Verdict::PASS;
+    open += c.verdict == Verdict::UNDECIDED;
   }
   const std::string title = "Validation of " + escaped(common::shownBytes(head.vehicle));
   std::string html = "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><title>" + title + "</title>\n" +
                      STYLE + "</head><body>\n<h1>" + title + "</h1>\n<p class='verdict " +
-                     (good ? "pass'>Passed: " : "fail'>NOT passed: ") + std::to_string(failed) + " of " +
-                     std::to_string(failed + passed) + " checks failed</p>\n";
+                     (good         ? "pass'>Passed: "
+                      : failed > 0 ? "fail'>NOT passed: "
+                                   : "undecided'>NOT decided: ") +
+                     std::to_string(failed) + " of " + std::to_string(failed + passed + open) + " checks failed, " +
+                     std::to_string(open) + " undecided</p>\n";
   html += "<h2>Checks</h2>\n" + checkTable(found, true);
   html += "<h2>Plans</h2>\n" + planTable(found);
   html += "<div class='plots'>\n" + curvePlot(found, table);
@@ -187,6 +202,7 @@ std::string reportJson(const Validation& found, const ReportHead& head) {
                                        {"body_file", head.body_file},
                                        {"snapwing_version", head.version},
                                        {"passed", found.passed()},
+                                       {"undecided", found.undecided()},
                                        {"checks", checks},
                                        {"trials", trials}});
 }

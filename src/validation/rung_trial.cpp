@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "snapwing/common/error.h"
+#include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/rom/lumped_model.h"
 
@@ -43,14 +44,14 @@ double bisect(double low, double high, const Switches& switches) {
 }
 
 template <class Switches>
-double shortestNear(double near, const Switches& switches) {
+double shortestNear(double near, const double first, const Switches& switches) {
   constexpr double FARTHEST = 0.060;
-  double away = 0.003, low = std::max(0.0, near - away), high = near + away;
+  double away = first, low = std::max(0.0, near - away), high = near + away;
   while (low > 0 && switches(low)) {
     high = low, away *= 2, low = std::max(0.0, near - away);
     if (away > FARTHEST) return std::nan("");
   }
-  for (away = 0.003; !switches(high);) {
+  for (away = first; !switches(high);) {
     low = high, away *= 2, high = near + away;
     if (away > FARTHEST) return std::nan("");
   }
@@ -75,6 +76,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   settings.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   settings.cell_size = trial.cell_size;
   settings.kernel = trial.kernel;
+  settings.coarsening_power = elasticity::DensityInterpolation().power;
   return settings;
 }
 
@@ -137,14 +139,17 @@ double RungRunner::shortestLumped(const RungTrial& trial) const {
   return bisect(first - GRID, first, snaps);
 }
 
-double RungRunner::shortestSolid(const RungTrial& trial, double near) const {
+double RungRunner::shortestSolid(const RungTrial& trial) const {
+  const bool told = std::isfinite(trial.near);  // by coarser cells: closer than the lumped one
+  const double near = told ? trial.near : shortestLumped(trial);
   const motion::AxisVehicle solid = solidOf(trial);
   RungTrial asked = trial;
-  const double found = shortestNear(near, [&](double d) {
+  const double found = shortestNear(near, told ? 0.001 : 0.003, [&](double d) {
     asked.pulse.duration = d;
     return runSolid(asked, solid).snapped;
   });
-  if (std::isnan(found)) throw common::Error("the shortest pulse that switches is more than 60 ms from the lumped one");
+  if (std::isnan(found))
+    throw common::Error("the shortest pulse that switches is more than 60 ms from where the search began");
   return found;
 }
 
@@ -182,8 +187,7 @@ RungOutcome RungRunner::run(const RungTrial& trial) const {
 
 RungOutcome RungRunner::shortest(const RungTrial& trial) const {
   return accounted([&](RungOutcome& out) {
-    const double lumped = shortestLumped(trial);
-    out.threshold = trial.rung == motion::TrialRung::LUMPED ? lumped : shortestSolid(trial, lumped);
+    out.threshold = trial.rung == motion::TrialRung::LUMPED ? shortestLumped(trial) : shortestSolid(trial);
   });
 }
 

@@ -109,12 +109,13 @@ std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
   std::ostringstream text;
   text.precision(17);
   const RungTrial& r = t.trial;
-  text << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';' << static_cast<int>(r.start)
-       << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';' << static_cast<int>(r.kernel) << ';' << r.cell_size
-       << ';' << r.step << ';' << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount) << ';'
-       << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';' << r.trial.initial_speed << ';'
-       << r.trial.push << ';' << r.trial.horizon << ';' << r.trial.initial_thrust_fraction.value_or(-1) << ';'
-       << r.trial.final_thrust_fraction.value_or(-1);
+  text << "cells keep stiffness;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
+       << static_cast<int>(r.start) << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';'
+       << static_cast<int>(r.kernel) << ';' << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';'
+       << vehicle::mountName(r.trial.mount) << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';'
+       << r.trial.initial_speed << ';' << r.trial.push << ';' << r.trial.horizon << ';'
+       << r.trial.initial_thrust_fraction.value_or(-1) << ';' << r.trial.final_thrust_fraction.value_or(-1) << ';'
+       << r.near;
   for (const double x : r.box) text << ';' << x;
   return common::sha256(text.str());
 }
@@ -149,6 +150,24 @@ std::vector<Check> checkOrigin(const std::vector<PlanFile>& plans, const vehicle
   return checks;
 }
 
+/// On cells of half the size: the nominal vehicle and its shortest pulse, and what did not switch on the coarser ones.
+/// @param trials  that have run
+std::vector<ValidationTrial> finerTwins(const std::vector<ValidationTrial>& trials) {
+  std::vector<ValidationTrial> twins;
+  for (const ValidationTrial& t : trials) {
+    if (t.trial.rung != TrialRung::PLANAR || t.role == TrialRole::HALF_STEP) continue;
+    const bool search = t.role == TrialRole::THRESHOLD;
+    if (search ? !std::isfinite(t.outcome.threshold) : t.role != TrialRole::NOMINAL && t.outcome.snapped) continue;
+    ValidationTrial& twin = twins.emplace_back(t);
+    twin.name += "_fine";
+    twin.finer = true;
+    twin.outcome = RungOutcome{};
+    twin.trial.cell_size /= 2;
+    if (search) twin.trial.near = t.outcome.threshold;
+  }
+  return twins;
+}
+
 /// Runs all trials, or takes what an earlier run has left.
 class TrialRuns {
  public:
@@ -157,8 +176,9 @@ class TrialRuns {
     if (!hooks.folder.empty()) kept_.emplace(hooks.folder);
   }
   void run(std::vector<ValidationTrial>& trials, int threads) {
-    all_ = static_cast<int>(trials.size());
-    common::parallelFor(all_, threads, [&](int k) { one(trials[static_cast<std::size_t>(k)]); });
+    const int count = static_cast<int>(trials.size());
+    all_ = done_ + count;
+    common::parallelFor(count, threads, [&](int k) { one(trials[static_cast<std::size_t>(k)]); });
   }
 
  private:
@@ -214,12 +234,19 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
   found.plans = plans;
   const std::string body = settings.body.empty() ? vehicle.arm.density_file : settings.body;
   if (hooks.progress) hooks.progress(0, 0, "static curve");
-  found.curve = traceArm(vehicle, body, settings.planar_cell, hooks.cancelled);
-  add(checkCurve(found.curve, table, vehicle));
+  found.curves.push_back(traceArm(vehicle, body, settings.planar_cell, hooks.cancelled));
+  if (settings.extrapolate) found.curves.push_back(traceArm(vehicle, body, settings.planar_cell / 2, hooks.cancelled));
+  add(checkCurve(found.curves, table, vehicle));
   found.trials = TrialList(vehicle, settings, planner, found.plans).take();
   const RungRunner runner(vehicle, table, wing, settings.body, hooks.cancelled);
   const std::string inputs = vehicle.sha256 + common::sha256OfFile(vehicle.arm.table_file) + common::sha256OfFile(body);
-  TrialRuns(runner, hooks, inputs).run(found.trials, settings.threads);
+  TrialRuns runs(runner, hooks, inputs);
+  runs.run(found.trials, settings.threads);
+  if (settings.extrapolate && !(hooks.cancelled && hooks.cancelled())) {
+    std::vector<ValidationTrial> twins = finerTwins(found.trials);
+    runs.run(twins, settings.threads);
+    found.trials.insert(found.trials.end(), twins.begin(), twins.end());
+  }
   found.cancelled = hooks.cancelled && hooks.cancelled();
   if (found.cancelled) return found;
   add(checkTrials(found, vehicle));

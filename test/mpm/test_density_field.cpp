@@ -158,5 +158,16 @@ TEST(DensityCsv, MarginsNeedTheNumberOfCells) {
   EXPECT_NE(refusalOf([&] { loadDensityCsv(inner, 2, 2, {2, 2}); }).find("lists cells up to 3 x 3"), std::string::npos);
 }
 
+TEST(Density, CoarserCellsKeepTheMassOrTheStiffness) {
+  DensityField field;
+  field.cell_size = 1;
+  field.cells = {2, 2};
+  field.value = {1, 0.5, 0, -1};
+  EXPECT_DOUBLE_EQ(field.resampled(2).at(0, 0), 1.5 / 4);
+  EXPECT_DOUBLE_EQ(std::pow(field.resampled(2, 3).at(0, 0), 3), 1.125 / 4);
+  EXPECT_DOUBLE_EQ(field.resampled(0.5, 3).at(2, 0), 0.5);  // smaller cells are those of the field
+  EXPECT_EQ(field.resampled(0.5, 3).at(3, 3), -1);
+}
+
 }  // namespace
 }  // namespace snapwing::mpm

@@ -41,7 +41,9 @@ std::string dampingName(DampingLaw law);
 struct AxisSettings {
   int dimension = 2;  ///< 2: plane stress; 3: half the arm's thickness by symmetry
   scene::SceneKernel kernel = scene::SceneKernel::LINEAR;
-  double cell_size = 0;        ///< [m]; 0: that of the arm's density
+  double cell_size = 0;  ///< [m]; 0: that of the arm's density
+  /// 1: coarser cells than the file's keep its mass; 3: the stiffness (mpm::DensityField::resampled)
+  double coarsening_power = 1;
   double least_density = 0.2;  ///< cells below are left out: lighter ones turn inside out in violent trials
   mpm::MassKind mass = mpm::MassKind::CONSISTENT;
   DampingLaw damping = DampingLaw::TRAVEL;

@@ -18,7 +18,9 @@ struct DensityField {
 
   /// The same field on cells of another size that divides the extent: area average, in which absent cells are void, so
   /// that the mass stays. A new cell exists where an old one lies. @throws common::Error if the size does not divide
-  DensityField resampled(double new_cell_size) const;
+  /// @param power  1: the density is averaged, which keeps the mass; p: its p-th power, which keeps the stiffness rho^p
+  /// of a body whose cut cells have that of their covered share: what its coarser cells converge with
+  DensityField resampled(double new_cell_size, double power = 1) const;
 };
 
 /// A field without cells on a domain that square cells fill. @param path  for messages

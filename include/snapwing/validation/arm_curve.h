@@ -15,6 +15,7 @@ namespace snapwing::validation {
 /// Force of all arms against travel. Where the travel turns back the arm has an internal snap: at a given travel it has
 /// several states, and jumps between them.
 struct ArmCurve {
+  double cell_size = 0;               ///< [m]
   std::string failure;                ///< why the path ended early; empty: it is whole
   std::vector<double> travel, force;  ///< [m], [N] along the path
   std::vector<double> turns;          ///< [m] travels where it turns
@@ -25,14 +26,19 @@ struct ArmCurve {
 };
 
 /// @param body       density file [CSV] of the arm as it is made
-/// @param cell_size  [m]
+/// @param cell_size  [m]; cells that are coarser than the file's keep its stiffness
 /// @param cancelled  polled; true ends the path
 /// @throws common::Error for a file that is none
 ArmCurve traceArm(const vehicle::Vehicle& vehicle, const std::string& body, double cell_size,
                   const std::function<bool()>& cancelled = {});
 
+/// A number of the curves in the limit of small cells; of one curve alone it is that curve's, without an error bar.
+Estimate estimateOf(const std::vector<ArmCurve>& curves, double ArmCurve::*member);
+
 /// What must hold: a whole path, no internal snap, two stable states, and a peak that the table's arm may have by
 /// arm.force_scale. The second equilibrium lies within 2 mm of the table's.
-std::vector<Check> checkCurve(const ArmCurve& curve, const vehicle::ForceTable& table, const vehicle::Vehicle& vehicle);
+/// @param curves  of one body, coarser cells first: one or two. What the two do not agree on is undecided
+std::vector<Check> checkCurve(const std::vector<ArmCurve>& curves, const vehicle::ForceTable& table,
+                              const vehicle::Vehicle& vehicle);
 
 }  // namespace snapwing::validation

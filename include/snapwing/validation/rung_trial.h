@@ -23,6 +23,8 @@ struct RungTrial {
   std::vector<double> box;  ///< coordinates of vehicle::uncertainNames(), in [-1, 1]; empty: nominal
   double cell_size = 1e-3;  ///< [m] of the solid
   double step = 2e-3;       ///< [s] of the solid
+  /// [s] where a search for the shortest pulse of a solid begins; NaN: at the lumped one
+  double near = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct RungOutcome {
@@ -49,15 +51,15 @@ class RungRunner {
 
   /// What happens; an error of the solver or of the model is the outcome's `failure`.
   RungOutcome run(const RungTrial& trial) const;
-  /// The shortest pulse that switches, to .1 ms: `threshold` of the outcome. On solids the search begins at the lumped
-  /// one, and fails if there is none within 60 ms of it.
+  /// The shortest pulse that switches, to .1 ms: `threshold` of the outcome. On solids the search begins at `near`, and
+  /// fails if there is none within 60 ms of it.
   RungOutcome shortest(const RungTrial& trial) const;
 
  private:
   RungOutcome runLumped(const RungTrial& trial) const;
   motion::AxisVehicle solidOf(const RungTrial& trial) const;
   double shortestLumped(const RungTrial& trial) const;
-  double shortestSolid(const RungTrial& trial, double near) const;
+  double shortestSolid(const RungTrial& trial) const;
   RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const;
   motion::AxisSettings settingsOf(const RungTrial& trial) const;
   vehicle::VehicleParameters parametersOf(const RungTrial& trial) const;

@@ -18,6 +18,7 @@ namespace snapwing::validation {
 struct ValidationSettings {
   std::string body;             ///< density file [CSV] of the arm as it was made; empty: the vehicle's
   double planar_cell = 1e-3;    ///< [m]
+  bool extrapolate = true;      ///< judge the planar rung on half that size, too, and on the limit of small cells
   double solid_cell = 1.25e-3;  ///< [m] of the volumetric rung; it runs with twice that, too
   bool volumetric = true;
   int weakest = 2;          ///< vehicles that the planner finds weakest, of each plan
@@ -42,6 +43,7 @@ struct ValidationTrial {
   std::string name;  ///< one word
   int plan = 0;      ///< index of its plan
   TrialRole role = TrialRole::NOMINAL;
+  bool finer = false;  ///< planar cells of half the size; what it is the twin of has the same name without "_fine"
   RungTrial trial;
   RungOutcome outcome;
 };
@@ -50,11 +52,12 @@ struct ValidationTrial {
 struct Validation {
   std::vector<PlanFile> plans;
   std::vector<ValidationTrial> trials;
-  ArmCurve curve;
+  std::vector<ArmCurve> curves;  ///< of the body, coarser cells first
   std::vector<planning::AccidentMargin> accidents;
   std::vector<Check> checks;
   bool cancelled = false;
   bool passed() const { return !cancelled && validation::passed(checks); }
+  bool undecided() const { return !cancelled && validation::undecided(checks); }
 };
 
 struct ValidationHooks {
