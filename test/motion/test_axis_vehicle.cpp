@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_trial.h"
@@ -207,6 +208,12 @@ TEST(TrialFile, ShippedOnesLoadAndBadOnesAreRefusedByKey) {
   for (const char* name : {"boom_f_to_q", "boom_q_to_f", "free_f_to_q", "wings_f_to_q", "wings_f_to_q_hover"}) {
     EXPECT_EQ(loadTrial(test::sourceDir() + "/config/trials/" + name + ".yaml").name, name);
   }
+  int paper = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(test::sourceDir() + "/config/trials/paper")) {
+    EXPECT_EQ(loadTrial(entry.path().string()).name, entry.path().stem().string());
+    ++paper;
+  }
+  EXPECT_GE(paper, 19);
   EXPECT_THROW(loadTrial("/nowhere.yaml"), common::FileError);
 }
 
