@@ -11,6 +11,9 @@ namespace snapwing::mpm {
 
 namespace {
 
+/// Stiffness of a cell [1] below which it is a sliver that carries nothing.
+constexpr double LEAST_STIFFNESS = 0.05;
+
 constexpr int LARGEST_SIDE = 20000;         // cells: what no scene needs, and what a damaged file may claim
 constexpr double LARGEST_COUNT = 30000000;  // cells: as many as a body may take on its grid
 
@@ -131,6 +134,7 @@ DensityField DensityField::resampled(double new_cell_size, double power) const {
         }
       }
       if (covered > 1e-9 * ratio * ratio) {
+        if (power > 1 && sum < LEAST_STIFFNESS * ratio * ratio) continue;
         const double mean = std::pow(sum / (ratio * ratio), 1 / power);
         result.value[static_cast<std::size_t>(j) * result.cells[0] + i] = std::min(1.0, mean);
       }

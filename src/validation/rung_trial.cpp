@@ -76,7 +76,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   settings.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   settings.cell_size = trial.cell_size;
   settings.kernel = trial.kernel;
-  settings.coarsening_power = elasticity::DensityInterpolation().power;
+  if (settings.dimension == 2) settings.coarsening_power = elasticity::DensityInterpolation().power;
   return settings;
 }
 
@@ -96,12 +96,23 @@ RungOutcome RungRunner::runLumped(const RungTrial& trial) const {
 }
 
 RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const {
+  for (const double step : {trial.step, trial.step / 2}) {
+    try {
+      return runSolid(trial, solid, step);
+    } catch (const motion::AccountError&) {
+      // Told if a quarter of the step is still too long.
+    }
+  }
+  return runSolid(trial, solid, trial.step / 4);
+}
+
+RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehicle& solid, double step) const {
   const vehicle::VehicleParameters parameters = parametersOf(trial);
   const double idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle_.radio, 0));
   const double fraction =
       vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle_.radio, trial.pulse.throttle));
   motion::StepperSettings steps;
-  steps.largest_step = trial.step;
+  steps.largest_step = step;
   steps.relative_tolerance = 1e-6;
   steps.keep_factor = trial.rung == motion::TrialRung::VOLUMETRIC;
   motion::Stepper stepper(solid.problem(), motion::Scheme(motion::SchemeKind::MIDPOINT), steps);

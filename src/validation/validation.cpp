@@ -109,7 +109,7 @@ std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
   std::ostringstream text;
   text.precision(17);
   const RungTrial& r = t.trial;
-  text << "cells keep stiffness;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
+  text << "planar cells keep stiffness;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
        << static_cast<int>(r.start) << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';'
        << static_cast<int>(r.kernel) << ';' << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';'
        << vehicle::mountName(r.trial.mount) << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';'

@@ -165,6 +165,10 @@ TEST(Density, CoarserCellsKeepTheMassOrTheStiffness) {
   field.value = {1, 0.5, 0, -1};
   EXPECT_DOUBLE_EQ(field.resampled(2).at(0, 0), 1.5 / 4);
   EXPECT_DOUBLE_EQ(std::pow(field.resampled(2, 3).at(0, 0), 3), 1.125 / 4);
+  field.value = {0.5, 0, 0, 0};  // a sliver of .031
+  EXPECT_EQ(field.resampled(2, 3).at(0, 0), -1);
+  EXPECT_GT(field.resampled(2).at(0, 0), 0);
+  field.value = {1, 0.5, 0, -1};
   EXPECT_DOUBLE_EQ(field.resampled(0.5, 3).at(2, 0), 0.5);  // smaller cells are those of the field
   EXPECT_EQ(field.resampled(0.5, 3).at(3, 3), -1);
 }

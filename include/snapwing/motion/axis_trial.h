@@ -7,10 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/common/error.h"
 #include "snapwing/motion/axis_vehicle.h"
 #include "snapwing/vehicle/mode.h"
 
 namespace snapwing::motion {
+
+/// What a scheme fed or ate could have decided the end mode: smaller steps are needed.
+class AccountError : public common::Error {
+ public:
+  using common::Error::Error;
+};
 
 /// Thrust of all rotors under a sequence of demands: first-order lag, with one constant up and another down.
 class ThrustHistory {

@@ -19,7 +19,8 @@ struct DensityField {
   /// The same field on cells of another size that divides the extent: area average, in which absent cells are void, so
   /// that the mass stays. A new cell exists where an old one lies. @throws common::Error if the size does not divide
   /// @param power  1: the density is averaged, which keeps the mass; p: its p-th power, which keeps the stiffness rho^p
-  /// of a body whose cut cells have that of their covered share: what its coarser cells converge with
+  /// of a body whose cut cells have that of their covered share, without slivers of less than .05: what its coarser
+  /// cells converge with
   DensityField resampled(double new_cell_size, double power = 1) const;
 };
 

@@ -22,7 +22,7 @@ struct RungTrial {
   scene::SceneKernel kernel = scene::SceneKernel::LINEAR;  ///< of the solid
   std::vector<double> box;  ///< coordinates of vehicle::uncertainNames(), in [-1, 1]; empty: nominal
   double cell_size = 1e-3;  ///< [m] of the solid
-  double step = 2e-3;       ///< [s] of the solid
+  double step = 2e-3;       ///< [s] of the solid; half and a quarter of it where the scheme's account does not close
   /// [s] where a search for the shortest pulse of a solid begins; NaN: at the lumped one
   double near = std::numeric_limits<double>::quiet_NaN();
 };
@@ -61,6 +61,7 @@ class RungRunner {
   double shortestLumped(const RungTrial& trial) const;
   double shortestSolid(const RungTrial& trial) const;
   RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const;
+  RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid, double step) const;
   motion::AxisSettings settingsOf(const RungTrial& trial) const;
   vehicle::VehicleParameters parametersOf(const RungTrial& trial) const;
 
