@@ -179,7 +179,7 @@ class Watch {
   }
 
   /// A scheme that keeps energy and does not: what it fed or ate may have decided the end mode. Schemes that damp are
-  /// chosen to eat. @throws AccountError
+  /// chosen to eat. @throws common::Error
   void requireAccountClosed(const AxisRun& run) const {
     const double off = run.outcome.largest_imbalance;
     if (stepper_.scheme().order() < 2 || !(off > FED * barrier_)) return;
@@ -188,7 +188,7 @@ class Watch {
                   "the scheme fed or ate %.3g mJ up to %.4g s, more than %g %% of the lower barrier (%.3g mJ), so that "
                   "the end mode would say nothing; take smaller steps (time: step, now up to %g s)",
                   1e3 * off, run.state.time, 100 * FED, 1e3 * barrier_, run.samples.back().step);
-    throw AccountError(words);
+    throw common::Error(words);
   }
 
   /// Mode in which the travel has come to rest, if it has.
