@@ -185,10 +185,11 @@ class Watch {
     if (stepper_.scheme().order() < 2 || !(off > FED * barrier_)) return;
     char words[300];
     std::snprintf(words, sizeof words,
-                  "the scheme fed or ate %.3g mJ up to %.4g s, more than %g %% of the lower barrier (%.3g mJ), so that "
+                  "the motion failed at %.4g s: until then the scheme fed or ate %.3g mJ, more than %g %% of the lower "
+                  "barrier (%.3g mJ), so that "
                   "the end mode would say nothing; take smaller steps (time: step, now up to %g s)",
-                  1e3 * off, run.state.time, 100 * FED, 1e3 * barrier_, run.samples.back().step);
-    throw common::Error(words);
+                  run.state.time, 1e3 * off, 100 * FED, 1e3 * barrier_, run.samples.back().step);
+    throw AccountError(words);
   }
 
   /// Mode in which the travel has come to rest, if it has.

@@ -59,9 +59,9 @@ TEST(MotionExtremes, EndInAnAnswer) {
   using T = vehicle::Trial;
   const std::vector<Extreme> cases = {
       {"steps of 10 us", 1, 0.005, 1e-5, 0.01, [](P&, T&) {}},
-      {"steps of 20 ms", 0.5, 0.06, 0.02, 2, [](P&, T&) {}},
-      {"full thrust in one step", 1, 0.03, 2e-3, 2, [](P& p, T&) { p.time_constant_up = p.time_constant_down = 1e-6; }},
-      {"no damping", 0.5, 0.06, 2e-3, 0.3, [](P& p, T&) { p.damping = 0; }},
+      {"steps of 5 ms", 0.5, 0.06, 0.005, 2, [](P&, T&) {}},
+      {"full thrust in one step", 1, 0.03, 5e-4, 2, [](P& p, T&) { p.time_constant_up = p.time_constant_down = 1e-6; }},
+      {"no damping", 0.5, 0.06, 5e-4, 0.3, [](P& p, T&) { p.damping = 0; }},
       {"a hundred times the mass", 0.5, 0.06, 2e-3, 1, [](P& p, T&) { p.ring_mass *= 100, p.centre_mass *= 100; }},
       {"a hundredth of the centre's mass", 0.5, 0.06, 2e-3, 1, [](P& p, T&) { p.centre_mass /= 100; }},
       {"ten thousand times the damping", 0.5, 0.06, 2e-3, 0.3, [](P& p, T&) { p.damping *= 1e4; }},
@@ -69,6 +69,20 @@ TEST(MotionExtremes, EndInAnAnswer) {
       {"pushed against the stop", 0, 0, 2e-3, 0.5, [](P&, T& t) { t.push = -150; }},
   };
   for (const Extreme& extreme : cases) EXPECT_EQ(run(extreme), "") << extreme.name;
+}
+
+/// The same with steps so long that the scheme itself decides: no answer, and why.
+TEST(MotionExtremes, StepsThatFeedABarrierAreRefused) {
+  using P = vehicle::VehicleParameters;
+  using T = vehicle::Trial;
+  const std::vector<Extreme> cases = {
+      {"steps of 20 ms", 0.5, 0.06, 0.02, 2, [](P&, T&) {}},
+      {"full thrust in one step", 1, 0.03, 2e-3, 2, [](P& p, T&) { p.time_constant_up = p.time_constant_down = 1e-6; }},
+      {"no damping", 0.5, 0.06, 2e-3, 0.3, [](P& p, T&) { p.damping = 0; }},
+  };
+  for (const Extreme& extreme : cases) {
+    EXPECT_NE(run(extreme).find("the scheme fed or ate"), std::string::npos) << extreme.name;
+  }
 }
 
 /// The centre strikes the upper stop at 5 m/s: it comes back with about its restitution, and no energy is made.
