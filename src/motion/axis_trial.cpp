@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
@@ -94,11 +93,6 @@ AxisTrial AxisTrial::of(vehicle::Mode start, double fraction, double duration,
   return out;
 }
 
-double AxisTrial::commanded() const {
-  return std::accumulate(then.begin(), then.end(), duration,
-                         [](double sum, const ThrustLevel& level) { return sum + level.duration; });
-}
-
 std::vector<double> AxisTrial::changes() const {
   std::vector<double> out = {latency, latency + duration};
   for (const ThrustLevel& level : then) out.push_back(out.back() + level.duration);
@@ -108,9 +102,8 @@ std::vector<double> AxisTrial::changes() const {
 namespace {
 
 /// What the trial asks of the motors.
-ThrustHistory historyOf(const AxisTrial& trial) {
+ThrustHistory historyOf(const AxisTrial& trial, const std::vector<double>& changes) {
   ThrustHistory out(trial.initial_fraction * trial.max_thrust, trial.time_up, trial.time_down);
-  const std::vector<double> changes = trial.changes();
   out.demand(changes[0], trial.fraction * trial.max_thrust);
   for (std::size_t k = 0; k < trial.then.size(); ++k) {
     out.demand(changes[k + 1], trial.then[k].fraction * trial.max_thrust);
@@ -125,6 +118,7 @@ class Watch {
   Watch(const AxisVehicle& vehicle, const Stepper& stepper, const AxisTrial& trial, const ThrustHistory& thrust)
       : vehicle_(vehicle), stepper_(stepper), trial_(trial), thrust_(thrust) {
     const vehicle::CurveFeatures features = vehicle::curveFeatures(vehicle.curve().table());
+    last_change_ = trial.changes().back();
     barrier_ = std::min(features.barrier_forward, features.barrier_back) / vehicle.shareOfVehicle();
   }
 
@@ -179,7 +173,7 @@ class Watch {
   }
 
   /// A scheme that keeps energy and does not: what it fed or ate may have decided the end mode. Schemes that damp are
-  /// chosen to eat. @throws common::Error
+  /// chosen to eat. @throws AccountError
   void requireAccountClosed(const AxisRun& run) const {
     const double off = run.outcome.largest_imbalance;
     if (stepper_.scheme().order() < 2 || !(off > FED * barrier_)) return;
@@ -195,7 +189,7 @@ class Watch {
   /// Mode in which the travel has come to rest, if it has.
   vehicle::Mode restsIn(const AxisRun& run) const {
     const AxisSample& now = run.samples.back();
-    if (now.time - std::max(run.calm_since, trial_.latency + trial_.commanded()) < CALM) return vehicle::Mode::UNKNOWN;
+    if (now.time - std::max(run.calm_since, last_change_) < CALM) return vehicle::Mode::UNKNOWN;
     const StaticCurve& curve = vehicle_.curve();
     if (now.travel < SHARE_OF_BARRIER * curve.barrier()) return vehicle::Mode::FIXED_WING;
     const bool holds = now.travel > curve.valley() && curve.forceAt(now.travel) > SHARE_OF_VALLEY * curve.valleyForce();
@@ -216,7 +210,8 @@ class Watch {
   const Stepper& stepper_;
   const AxisTrial& trial_;
   const ThrustHistory& thrust_;
-  double barrier_ = 0;  ///< [J] the lower one; NaN of an arm that is not bistable
+  double last_change_ = 0;  ///< [s] of what is asked of the motors
+  double barrier_ = 0;      ///< [J] the lower one; NaN of an arm that is not bistable
 };
 
 void begin(const AxisVehicle& vehicle, const AxisTrial& trial, const Watch& watch, AxisRun& run) {
@@ -235,7 +230,7 @@ bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& tri
               const AxisRunHooks& hooks) {
   const std::vector<double> changes = trial.changes();
   const double last = changes.back() + trial.horizon;
-  const ThrustHistory thrust = historyOf(trial);
+  const ThrustHistory thrust = historyOf(trial, changes);
   const Watch watch(vehicle, stepper, trial, thrust);
   if (!run.begun) begin(vehicle, trial, watch, run);
   const ControlOf control = [&](double from, double h) {

@@ -46,11 +46,6 @@ int PronyTerm<D>::historyCount() const {
 }
 
 template <int D>
-std::shared_ptr<const Memory> PronyTerm<D>::keep(const Point& start) const {
-  return keepWith(start, Eigen::VectorXd::Zero(historyCount()));
-}
-
-template <int D>
 std::shared_ptr<const Memory> PronyTerm<D>::keepWith(const Point& start, const Eigen::VectorXd& history) const {
   if (history.size() != historyCount()) {
     throw common::Error("memory of the material has " + std::to_string(history.size()) +

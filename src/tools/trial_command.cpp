@@ -284,7 +284,7 @@ int runSolid(const Work& work) {
     run = motion::loadTrialCheckpoint(checkpoint, owner);
     std::fprintf(stderr, "goes on at %.4f s from %s\n", run.state.time, checkpoint.c_str());
   }
-  Progress progress(work, trial.latency + trial.commanded() + trial.horizon);
+  Progress progress(work, trial.changes().back() + trial.horizon);
   progress.startsAt(run.state.time);
   const InterruptGuard guard;
   motion::AxisRunHooks hooks;

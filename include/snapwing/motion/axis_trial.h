@@ -55,7 +55,6 @@ struct AxisTrial {
   double max_thrust = 0;                ///< [N] all rotors
   double time_up = 0, time_down = 0;    ///< [s]
   double horizon = 4;                   ///< [s] longest time watched after the last level
-  double commanded() const;             ///< [s] pulse and levels together
   std::vector<double> changes() const;  ///< [s] when another thrust is asked of the motors, in order
   /// A pulse on realised parameters. @param idle  steady thrust at motor idle / full thrust
   static AxisTrial of(vehicle::Mode start, double fraction, double duration,

@@ -6,11 +6,9 @@
 ///                   1 - 1/sqrt(1 + (w h)^2) of its amplitude a step. The paper's.
 ///   MIDPOINT        kappa = 2/h^2, force at the middle, v1 = 2 d/h - v0. Second order; keeps linear and angular
 ///                   momentum to rounding, energy to O(h^2).
-///   CORRECTED_MIDPOINT  the same with a force beta M d' more, beta such that the step's account of energy closes, d'
-///   the
-///                   step less its rigid part (Stepper): keeps both momenta and energy. The scalar costs some solves.
-///   AVERAGE_FORCE   the midpoint's mass with the force averaged at Gauss points: keeps energy to O(h^2m) for m points.
-///   The step
+///   CORRECTED_MIDPOINT  the same with a force beta M d' more, d' the step less its rigid part, beta such that the
+///                   step's account of energy closes (Stepper): keeps both momenta. The scalar costs some solves.
+///   AVERAGE_FORCE   the midpoint's mass with the force averaged at m Gauss points: keeps energy to O(h^2m). The step
 ///                   has a potential with a symmetric Hessian. Angular momentum of a turning soft body to O(h^2).
 
 #include <Eigen/Core>

@@ -19,7 +19,7 @@ class HistoryTerm : public Term {
   };
   Role role() const override { return Role::DISSIPATION; }
   virtual int historyCount() const = 0;
-  /// @param history  (historyCount() x 1)
+  /// In the place of keep(), which knows no history. @param history  (historyCount() x 1)
   virtual std::shared_ptr<const Memory> keepWith(const Point& start, const Eigen::VectorXd& history) const = 0;
   /// @param end  of a step, with what was kept of its start
   virtual Passed pass(const Point& end) const = 0;
@@ -47,7 +47,6 @@ class PronyTerm : public HistoryTerm {
   int region() const override { return particles_.region(); }
   /// Components xx, yy (zz), xy (yz, xz) of q, by particle and branch.
   int historyCount() const override;
-  std::shared_ptr<const Memory> keep(const Point& start) const override;
   std::shared_ptr<const Memory> keepWith(const Point& start, const Eigen::VectorXd& history) const override;
   Passed pass(const Point& end) const override;
   double storedIn(const Eigen::VectorXd& history) const override;
