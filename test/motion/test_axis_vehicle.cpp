@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "restart.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/motion/trial_file.h"
@@ -130,7 +131,7 @@ TEST(AxisVehicle, LevelsFollowThePulse) {
   halves.duration = 0.03;
   halves.then = {{0.5, 0.03}};
   longer.then = {{0.3, 0.1}, {0.1, 0.4}};
-  EXPECT_NEAR(longer.commanded(), 0.56, 1e-15);
+  EXPECT_NEAR(longer.changes().back() - longer.latency, 0.56, 1e-15);
   const AxisRun a = flown(vehicle, whole, Scheme(SchemeKind::MIDPOINT), 2e-3),
                 b = flown(vehicle, halves, Scheme(SchemeKind::MIDPOINT), 2e-3),
                 c = flown(vehicle, longer, Scheme(SchemeKind::MIDPOINT), 2e-3);
@@ -173,25 +174,9 @@ TEST(AxisVehicle, AStoppedRunGoesOnWithTheSameBits) {
   const vehicle::Trial boom = trialOn(vehicle::Mount::BOOM);
   const AxisVehicle vehicle(s.vehicle, s.parameters, boom, coarse());
   const AxisTrial trial = AxisTrial::of(vehicle::Mode::FIXED_WING, 0.5, 0.06, s.parameters, 0, boom);
-  AxisRunHooks hooks;
-  hooks.keep_every = 40;
-  Stepper stepper(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), {});
-  AxisRun whole;
-  ASSERT_TRUE(runTrial(vehicle, stepper, trial, whole, hooks));
-  const std::string file = ::testing::TempDir() + "/trial_checkpoint.bin";
-  hooks.keep = [&](const AxisRun& run) { saveTrialCheckpoint(run, std::string(64, 'a'), file); };
-  hooks.stepped = [](const AxisRun& run) { return run.outcome.steps < 137; };
-  AxisRun part;
-  Stepper first(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), {});
-  ASSERT_FALSE(runTrial(vehicle, first, trial, part, hooks));
-  AxisRun resumed = loadTrialCheckpoint(file, std::string(64, 'a'));
-  EXPECT_EQ(resumed.outcome.steps, 120);
-  hooks.keep = {}, hooks.stepped = {};
-  Stepper second(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), {});
-  ASSERT_TRUE(runTrial(vehicle, second, trial, resumed, hooks));
-  EXPECT_EQ(seriesCsv(resumed.samples), seriesCsv(whole.samples));
-  EXPECT_TRUE(resumed.state.y == whole.state.y);
-  EXPECT_THROW(loadTrialCheckpoint(file, std::string(64, 'b')), common::FileError);
+  const test::Restarted runs = test::restarted(vehicle, trial, {}, 40, 137, "trial_checkpoint.bin");
+  EXPECT_EQ(runs.steps_of_checkpoint, 120);
+  EXPECT_THROW(loadTrialCheckpoint(runs.checkpoint, std::string(64, 'b')), common::FileError);
 }
 
 TEST(AxisVehicle, RefusesWhatItCannotDo) {

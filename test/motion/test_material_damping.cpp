@@ -13,27 +13,6 @@ using solver::LaggedTangent;
 
 constexpr double AMPLITUDE = 6e-4;  // [m]
 
-/// A term with what it kept of a start, as the battery's plain term.
-class Kept : public solver::Term {
- public:
-  Kept(const solver::Term& of, const Eigen::VectorXd& start) : of_(of) {
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
-    kept_ = of.keep({start, none});
-  }
-  std::string name() const override { return of_.name(); }
-  Role role() const override { return of_.role(); }
-  int region() const override { return of_.region(); }
-  void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override {
-    solver::Point with = at;
-    with.kept = kept_.get();
-    of_.evaluate(with, order, sum);
-  }
-
- private:
-  const solver::Term& of_;
-  std::shared_ptr<const solver::Memory> kept_;
-};
-
 template <int D>
 void checkLaw(const solver::Term& law, const mpm::Discretisation<D>& solid) {
   solver::Step step;
@@ -44,7 +23,8 @@ void checkLaw(const solver::Term& law, const mpm::Discretisation<D>& solid) {
   c.layout.addRegion(0, solid.pattern());
   c.y = {test::wavy(solid.dofCount(), AMPLITUDE, 0.0), test::wavy(solid.dofCount(), AMPLITUDE, 1.2)};
   c.step = &step;
-  checkTerm(Kept(law, step.y0), c);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
+  checkTerm(test::WithKept(law, law.keep({step.y0, none})), c);
 }
 
 TEST(MaterialDamping, LawsAreTerms) {

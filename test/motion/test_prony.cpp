@@ -65,28 +65,6 @@ TEST(PronySeries, RefusesBadBranchesByName) {
   EXPECT_THROW(solver::PronyTerm<2>(test::block<2>(), {{{-0.1, 1}}}), common::Error);
 }
 
-/// With what it kept of a start that is not at rest, as the battery's plain term.
-template <int D>
-class Remembering : public solver::Term {
- public:
-  Remembering(const solver::PronyTerm<D>& of, const Eigen::VectorXd& start) : of_(of) {
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
-    kept_ = of.keepWith({start, none}, test::wavy(of.historyCount(), 0.05, 0.7));
-  }
-  std::string name() const override { return of_.name(); }
-  Role role() const override { return of_.role(); }
-  int region() const override { return of_.region(); }
-  void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override {
-    solver::Point with = at;
-    with.kept = kept_.get();
-    of_.evaluate(with, order, sum);
-  }
-
- private:
-  const solver::PronyTerm<D>& of_;
-  std::shared_ptr<const solver::Memory> kept_;
-};
-
 template <int D>
 void checkDerivatives(std::vector<std::pair<double, double>> path) {
   const auto solid = test::block<D>();
@@ -100,7 +78,8 @@ void checkDerivatives(std::vector<std::pair<double, double>> path) {
   c.layout.addRegion(0, solid->pattern());
   c.y = {test::wavy(solid->dofCount(), 6e-4, 0.0), test::wavy(solid->dofCount(), 6e-4, 1.2)};
   c.step = &step;
-  checkTerm(Remembering<D>(term, step.y0), c);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1), strained = test::wavy(term.historyCount(), 0.05, 0.7);
+  checkTerm(test::WithKept(term, term.keepWith({step.y0, none}, strained)), c);
 }
 
 TEST(PronyTerm, IsATermOnEveryPath) {

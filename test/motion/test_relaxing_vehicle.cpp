@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "restart.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/motion/trial_record.h"
@@ -113,27 +114,10 @@ TEST(RelaxingVehicle, AStoppedRunGoesOnWithTheSameBits) {
   const Relaxing r({branch(0.05, 0.02), branch(0.05, 300)});
   const AxisVehicle vehicle = r.make();
   const AxisTrial trial = AxisTrial::of(vehicle::Mode::FIXED_WING, 0.5, 0.06, r.parameters, 0, r.boom);
-  AxisRunHooks hooks;
-  hooks.keep_every = 40;
-  Stepper stepper(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), {});
-  AxisRun whole;
-  hooks.stepped = [](const AxisRun& run) { return run.outcome.steps < 200; };
-  ASSERT_FALSE(runTrial(vehicle, stepper, trial, whole, hooks));
-  const std::string file = ::testing::TempDir() + "/relaxing_checkpoint.bin";
-  hooks.keep = [&](const AxisRun& run) { saveTrialCheckpoint(run, std::string(64, 'a'), file); };
-  hooks.stepped = [](const AxisRun& run) { return run.outcome.steps < 137; };
-  AxisRun part;
-  Stepper first(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), {});
-  ASSERT_FALSE(runTrial(vehicle, first, trial, part, hooks));
-  AxisRun resumed = loadTrialCheckpoint(file, std::string(64, 'a'));
-  EXPECT_EQ(resumed.outcome.steps, 120);
-  EXPECT_GT(resumed.state.history.norm(), 0);
-  hooks.keep = {}, hooks.stepped = [](const AxisRun& run) { return run.outcome.steps < 200; };
-  Stepper second(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), {});
-  ASSERT_FALSE(runTrial(vehicle, second, trial, resumed, hooks));
-  EXPECT_EQ(seriesCsv(resumed.samples), seriesCsv(whole.samples));
-  EXPECT_TRUE(resumed.state.y == whole.state.y);
-  EXPECT_TRUE(resumed.state.history == whole.state.history);
+  const test::Restarted runs = test::restarted(vehicle, trial, {}, 40, 137, "relaxing_checkpoint.bin", 200);
+  EXPECT_EQ(runs.steps_of_checkpoint, 120);
+  EXPECT_GT(loadTrialCheckpoint(runs.checkpoint, std::string(64, 'a')).state.history.norm(), 0);
+  EXPECT_TRUE(runs.resumed.state.history == runs.whole.state.history);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "restart.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/motion/trial_record.h"
@@ -257,24 +258,7 @@ TEST(WingedVehicle, AStoppedRunGoesOnWithTheSameBits) {
   const AxisTrial trial = AxisTrial::of(vehicle::Mode::QUADROTOR, 0.5, 0.05, s.parameters, 0, around);
   StepperSettings steps;
   steps.largest_step = 2e-3;
-  AxisRunHooks hooks;
-  hooks.keep_every = 20;
-  Stepper stepper(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), steps);
-  AxisRun whole;
-  ASSERT_TRUE(runTrial(vehicle, stepper, trial, whole, hooks));
-  const std::string file = ::testing::TempDir() + "/winged_checkpoint.bin";
-  hooks.keep = [&](const AxisRun& run) { saveTrialCheckpoint(run, std::string(64, 'a'), file); };
-  hooks.stepped = [](const AxisRun& run) { return run.outcome.steps < 47; };
-  AxisRun part;
-  Stepper first(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), steps);
-  ASSERT_FALSE(runTrial(vehicle, first, trial, part, hooks));
-  AxisRun resumed = loadTrialCheckpoint(file, std::string(64, 'a'));
-  EXPECT_EQ(resumed.outcome.steps, 40);
-  hooks.keep = {}, hooks.stepped = {};
-  Stepper second(vehicle.problem(), Scheme(SchemeKind::MIDPOINT), steps);
-  ASSERT_TRUE(runTrial(vehicle, second, trial, resumed, hooks));
-  EXPECT_EQ(seriesCsv(resumed.samples), seriesCsv(whole.samples));
-  EXPECT_TRUE(resumed.state.y == whole.state.y);
+  EXPECT_EQ(test::restarted(vehicle, trial, steps, 20, 47, "winged_checkpoint.bin").steps_of_checkpoint, 40);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -22,6 +23,24 @@ struct TermCase {
   double scale = 1e-3;  ///< natural size of a motion [m]
   double floor = 1e-7;  ///< relative error that differences must reach
   bool energy_depends_on_control = false;
+};
+
+/// A term with what it kept of a start, as the battery's plain term.
+class WithKept : public solver::Term {
+ public:
+  WithKept(const solver::Term& of, std::shared_ptr<const solver::Memory> kept) : of_(of), kept_(std::move(kept)) {}
+  std::string name() const override { return of_.name(); }
+  Role role() const override { return of_.role(); }
+  int region() const override { return of_.region(); }
+  void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override {
+    solver::Point with = at;
+    with.kept = kept_.get();
+    of_.evaluate(with, order, sum);
+  }
+
+ private:
+  const solver::Term& of_;
+  std::shared_ptr<const solver::Memory> kept_;
 };
 
 class TermBattery {

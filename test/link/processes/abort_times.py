@@ -12,10 +12,9 @@ import sys
 import threading
 import time
 
-from link_bench import Bench, NotBegun, be_firm, free_port, wait_for
+from link_bench import Bench, NotBegun, be_firm, free_port, raw_rc, wait_for
 
 TYPICAL, WORST = 0.040, 0.080  # s
-HEAD = b"$X<\x00\xc8\x00"       # SET_RAW_RC, version 2 of the protocol; then the size
 THROTTLE, AUX1 = 2, 4
 
 
@@ -57,12 +56,8 @@ class WireTap:
                 (far if ready is near else near).sendall(data)
 
     def _note(self, data, now):
-        self.rest += data
-        while (at := self.rest.find(HEAD)) >= 0 and len(self.rest) >= at + 8 + 16:
-            payload = self.rest[at + 8:at + 24]
-            channel = [int.from_bytes(payload[2 * i:2 * i + 2], "little") for i in (THROTTLE, AUX1)]
-            self.frames.append((now, *channel))
-            self.rest = self.rest[at + 24:]
+        found, self.rest = raw_rc(self.rest + data)
+        self.frames += [(now, channels[THROTTLE], channels[AUX1]) for channels in found]
 
     @staticmethod
     def safe(frame):

@@ -7,6 +7,7 @@ import os
 import pathlib
 import signal
 import socket
+import struct
 import subprocess
 import tempfile
 import threading
@@ -50,6 +51,18 @@ def wait_for(condition, timeout, what):
             return
         time.sleep(0.005)
     raise AssertionError(f"not within {timeout} s: {what}")
+
+
+RAW_RC = b"$X<" + struct.pack("<BHH", 0, 200, 16)  # head of MSP_SET_RAW_RC with eight channels, MSP version 2
+
+
+def raw_rc(data):
+    """@return channels of each whole frame in `data`, and what is left behind the last"""
+    frames, whole = [], len(RAW_RC) + 17
+    while (at := data.find(RAW_RC)) >= 0 and len(data) >= at + whole:
+        frames.append(struct.unpack_from("<8H", data, at + len(RAW_RC)))
+        data = data[at + whole:]
+    return frames, data
 
 
 class NotBegun(AssertionError):
@@ -202,20 +215,18 @@ class Motors:
 
     def time_above(self, level, since):
         """Seconds after `since` for which the outputs were above `level`."""
+        return sum(max(0.0, lasted) for motor, lasted in self.outputs(since) if motor > level)
+
+    def outputs(self, since):
+        """Outputs with the seconds that each lasted after `since`; not positive if it was over by then."""
         now = time.monotonic()
         events = self.events()
-        return sum(max(0.0, min(following["t"], now) - max(event["t"], since))
-                   for event, following in zip(events, events[1:] + [{"t": now}]) if event["motor"] > level)
+        for event, following in zip(events, events[1:] + [{"t": now}]):
+            yield event["motor"], min(following["t"], now) - max(event["t"], since)
 
     def highest(self, since):
         """Largest output after `since`; outputs that lasted no longer than BLINK do not count."""
-        highest, now = 0, time.monotonic()
-        events = self.events()
-        for event, following in zip(events, events[1:] + [{"t": now}]):
-            lasted = min(following["t"], now) - max(event["t"], since)
-            if lasted > BLINK:
-                highest = max(highest, event["motor"])
-        return highest
+        return max((motor for motor, lasted in self.outputs(since) if lasted > BLINK), default=0)
 
 
 class Bench:

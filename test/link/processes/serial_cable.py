@@ -15,22 +15,16 @@ import termios
 import time
 import tty
 
-from link_bench import be_firm
+from link_bench import be_firm, raw_rc
 
 FLUSHED = 2    # TIOCPKT_FLUSHWRITE
 SPOILT = 0.3  # share of packets with a flipped bit while noisy
-RAW_RC = b"$X<" + struct.pack("<BHH", 0, 200, 16)  # head of MSP_SET_RAW_RC with eight channels, MSP version 2
 THROTTLE = 2   # its place among the channels (A, E, T, R)
 
 
 def thrust_frames(data):
     """@return number of whole frames in `data` that command thrust"""
-    count, begin = 0, data.find(RAW_RC)
-    while 0 <= begin <= len(data) - len(RAW_RC) - 17:
-        channels = struct.unpack_from("<8H", data, begin + len(RAW_RC))
-        count += channels[THROTTLE] > 1050
-        begin = data.find(RAW_RC, begin + 1)
-    return count
+    return sum(channels[THROTTLE] > 1050 for channels in raw_rc(data)[0])
 
 
 class Cable:
