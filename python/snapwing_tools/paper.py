@@ -7,16 +7,12 @@ import io
 import json
 import math
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+from snapwing_tools import html_page, style
+from snapwing_tools.errors import InputError
 
-from snapwing_tools import html_page  # noqa: E402
-from snapwing_tools.errors import InputError  # noqa: E402
-
-COLOURS = ("#1b6ca8", "#d1495b", "#2e8b57")
+COLOURS = (style.BLUE, style.VERMILION, style.GREEN)
 BOOM_LENGTH = 0.987  # [m] paper
 AGREES, DISAGREES, PARTLY, OPEN = "agrees", "DISAGREES", "partly", "not run"
 WAYS = {"f_to_q": ("F", "Q"), "q_to_f": ("Q", "F")}
@@ -66,17 +62,16 @@ class Run:
 
 
 def svg_of(figure):
-    with matplotlib.rc_context({"svg.hashsalt": "snapwing", "svg.fonttype": "none"}):
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    plt.close(figure)
+    """On light paper, so that the file stands by itself; style.svg_text() is for pages only. Closes the figure."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg", facecolor="white", metadata={"Date": None})
+    style.plt.close(figure)
     return text.getvalue()
 
 
 def canvas(columns=1, height=3.6):
-    figure, axes = plt.subplots(1, columns, figsize=(9, height), sharey=True, squeeze=False, layout="constrained")
+    figure, axes = style.figure(1, columns, height, sharey=True, squeeze=False)
     for axis in axes[0]:
-        axis.grid(alpha=.3)
         axis.set_xlabel("time [s]")
     return figure, axes[0]
 
@@ -85,8 +80,8 @@ def draw_levels(axis, runs):
     for key, name in (("static_barrier", "barrier"), ("static_second_equilibrium", "second equilibrium")):
         level = next((run.summary["model"][key] for run in runs if run.summary.get("model", {}).get(key)), None)
         if level:
-            axis.axhline(1e3 * level, color="#888", lw=.8, ls=":")
-            axis.annotate(name, (1, 1e3 * level), xycoords=("axes fraction", "data"), ha="right", va="bottom", color="#666", fontsize=8)
+            axis.axhline(1e3 * level, color=style.MUTED, lw=.8, ls=":")
+            axis.annotate(name, (1, 1e3 * level), xycoords=("axes fraction", "data"), ha="right", va="bottom", color=style.MUTED, fontsize=8)
 
 
 def travel_figure(named):
