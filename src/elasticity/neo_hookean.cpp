@@ -9,26 +9,6 @@
 namespace snapwing::elasticity {
 
 template <int D>
-FullTangent<D> CompactTangent<D>::full() const {
-  FullTangent<D> result;
-  for (int l = 0; l < D; ++l) {
-    for (int k = 0; k < D; ++k) {
-      Matrix<D> unit = Matrix<D>::Zero();
-      unit(k, l) = 1;
-      const Matrix<D> column = times(unit);
-      result.col(k + D * l) = Eigen::Map<const Eigen::Matrix<double, D * D, 1>>(column.data());
-    }
-  }
-  return result;
-}
-
-template <int D>
-Matrix<D> CompactTangent<D>::times(const Matrix<D>& d_f) const {
-  return (a + a0) * d_f + b * q.cwiseProduct(d_f).sum() * q + c * q * d_f.transpose() * q +
-         b0 * d_f.trace() * Matrix<D>::Identity() + c0 * d_f.transpose();
-}
-
-template <int D>
 NeoHookean<D>::NeoHookean(const Material& material, const DensityInterpolation& interpolation, Plane plane, Part part)
     : interpolation_(interpolation), plane_stress_(D == 2 && plane == Plane::STRESS) {
   material.validate();
@@ -109,11 +89,9 @@ bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
   out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (beyondLog(change, log_j) - minors) + v.g;
   out.stress = mu_ * f + v.slope * q;
   out.compact = true;
-  out.tangent.a = mu_;
   out.tangent.b = v.curvature;
   out.tangent.c = -v.slope;
   out.tangent.q = q;
-  out.tangent.a0 = out.tangent.b0 = out.tangent.c0 = 0;
   return true;
 }
 
@@ -165,6 +143,20 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
 }
 
 template <int D>
+SharedTangent NeoHookean<D>::linearTangent(const DensityInterpolation::Value& m) const {
+  const double rest = 1 - m.mix * m.mix, shear = m.stiffness * rest * mu_;
+  return {shear, m.stiffness * rest * linear_lambda_, shear};
+}
+
+template <int D>
+SharedTangent NeoHookean<D>::shared(const DensityInterpolation::Value& m, Order order) const {
+  if (order != Order::TANGENT) return {};  // projections are of the whole tangent
+  SharedTangent result = linearTangent(m);
+  result.a = m.stiffness * m.mix * m.mix * mu_ + result.a;
+  return result;
+}
+
+template <int D>
 bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& m, Order order,
                                      Response<D>& out) const {
   const Matrix<D> h = f - Matrix<D>::Identity();
@@ -180,17 +172,11 @@ bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolat
   out.stress *= m.stiffness * m.mix;
   if (rest > 0) out.stress += m.stiffness * rest * linearStress(h);
   if (order == Order::STRESS) return true;
-  CompactTangent<D>& t = out.tangent;
   const double scale = m.stiffness * m.mix * m.mix;
-  t.a = scale * mu_;
-  t.b *= scale;
-  t.c *= scale;
-  t.a0 = t.c0 = m.stiffness * rest * mu_;
-  t.b0 = m.stiffness * rest * linear_lambda_;
+  out.tangent.b *= scale;
+  out.tangent.c *= scale;
   if (order != Order::TANGENT) {
-    CompactTangent<D> linear = t;
-    linear.a = linear.b = linear.c = 0;
-    out.full = scale * projected(mixed, order) + linear.full();
+    out.full = scale * projected(mixed, order) + fullTangent<D>(linearTangent(m), Response<D>());
     out.compact = false;
   }
   return true;
@@ -206,13 +192,12 @@ bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, const DensityInterpola
   const Matrix<D> linear_stress = linearStress(h);
   d_energy = m.stiffness_slope * (r.energy + rest * linear) +
              m.stiffness * m.mix_slope * (r.stress.cwiseProduct(h).sum() - 2 * m.mix * linear);
-  d_stress = m.stiffness_slope * (m.mix * r.stress + rest * linear_stress) +
-             m.stiffness * m.mix_slope * (r.stress + m.mix * r.tangent.times(h) - 2 * m.mix * linear_stress);
+  d_stress =
+      m.stiffness_slope * (m.mix * r.stress + rest * linear_stress) +
+      m.stiffness * m.mix_slope * (r.stress + m.mix * tangentTimes<D>({mu_, 0, 0}, r, h) - 2 * m.mix * linear_stress);
   return true;
 }
 
-template struct CompactTangent<2>;
-template struct CompactTangent<3>;
 template class NeoHookean<2>;
 template class NeoHookean<3>;
 

@@ -1,6 +1,5 @@
 // The hot loop: energy, gradient and Hessian of all cells.
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "snapwing/mpm/discretisation.h"
@@ -127,18 +126,6 @@ void turn(const elasticity::Matrix<D>& m, const double* __restrict slope, double
 
 }  // namespace
 
-#ifndef NDEBUG
-namespace {
-
-/// What a cell adds once for all of its particles: the law's tangent must have it from the density alone.
-template <int D>
-bool sameForAll(const elasticity::CompactTangent<D>& a, const elasticity::CompactTangent<D>& b) {
-  return a.a == b.a && a.a0 == b.a0 && a.b0 == b.b0 && a.c0 == b.c0;
-}
-
-}  // namespace
-#endif
-
 template <int D>
 template <int S>
 typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int number, const Eigen::VectorXd& u,
@@ -158,9 +145,6 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
     const Model& law = *models_[terms[t].model];
     const elasticity::DensityInterpolation::Value& state =
         prepared_[static_cast<std::size_t>(number) * most_terms_ + t];
-#ifndef NDEBUG
-    elasticity::CompactTangent<D> first;
-#endif
     for (int p = 0; p < rule.size(); ++p) {
       const Eigen::Map<const Eigen::Matrix<double, D, S>> slope(rule.slopeOf(p));
       const elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity() + moved * slope.transpose();
@@ -175,10 +159,6 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
       if (order == Order::ENERGY) continue;
       force += w * response.stress * slope;
       if (!tangent) continue;
-#ifndef NDEBUG
-      if (p == 0) first = response.tangent;
-      assert(!response.compact || sameForAll(first, response.tangent));
-#endif
       if (!response.compact) {
         turn<D, S>(elasticity::Matrix<D>::Identity(), rule.slopeOf(p), scratch.rows.data());
         addFull<D, S>(response.full, w, scratch.rows.data(), scratch.matrix.data());
@@ -187,12 +167,12 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
         addTurned<D, S>(w * response.tangent.b, w * response.tangent.c, scratch.turned.data(), scratch.matrix.data());
       }
     }
-    if (tangent && response.compact) {
-      const elasticity::CompactTangent<D>& last = response.tangent;
-      const RuleTable& table = tables_[terms[t].rule];
-      addTables<D, S>(cell.measure * (last.a + last.a0), cell.measure * last.b0, cell.measure * last.c0,
-                      table.laplace.data(), table.outer.data(), scratch.matrix.data());
-    }
+    if (!tangent) continue;
+    const elasticity::SharedTangent shared = law.shared(state, order);
+    if (shared.a == 0 && shared.b == 0 && shared.c == 0) continue;
+    const RuleTable& table = tables_[terms[t].rule];
+    addTables<D, S>(cell.measure * shared.a, cell.measure * shared.b, cell.measure * shared.c, table.laplace.data(),
+                    table.outer.data(), scratch.matrix.data());
   }
   result.force_squared = force.squaredNorm();
   Eigen::Map<Eigen::Matrix<double, D, S>>(scratch.force.data()) = force;

@@ -66,6 +66,9 @@ void Discretisation<D>::finish() {
   prepareCells();
 }
 
+constexpr elasticity::Order TANGENTS[] = {elasticity::Order::TANGENT, elasticity::Order::PROJECTED,
+                                          elasticity::Order::ABSOLUTE};
+
 /// What does not change with the displacements: the law's state per cell, and sums over the particles of each rule.
 template <int D>
 void Discretisation<D>::prepareCells() {
@@ -75,9 +78,15 @@ void Discretisation<D>::prepareCells() {
   for (int c = 0; c < cellCount(); ++c) {
     const std::vector<Term>& terms = kinds_[cells_[c].kind];
     for (std::size_t t = 0; t < terms.size(); ++t) {
-      const auto value = models_[terms[t].model]->prepare(cells_[c].density);
+      const Model& law = *models_[terms[t].model];
+      const auto value = law.prepare(cells_[c].density);
       prepared_[static_cast<std::size_t>(c) * most_terms_ + t] = value;
-      buildTable(terms[t].rule, value.mix < 1);
+      bool outer = false;
+      for (const elasticity::Order order : TANGENTS) {
+        const elasticity::SharedTangent shared = law.shared(value, order);
+        outer = outer || shared.b != 0 || shared.c != 0;
+      }
+      buildTable(terms[t].rule, outer);
     }
   }
 }

@@ -25,21 +25,15 @@ namespace {
 
 /// One particle's share; `moved` are the cell's nodal displacements.
 template <int D>
-void addParticle(const elasticity::Response<D>& at, const Matrix<D>& strain, double weight,
-                 const Eigen::Matrix<double, D, Eigen::Dynamic>& slope, const int* nodes,
+void addParticle(const elasticity::SharedTangent& shared, const elasticity::Response<D>& at, const Matrix<D>& strain,
+                 double weight, const Eigen::Matrix<double, D, Eigen::Dynamic>& slope, const int* nodes,
                  const std::vector<Matrix<D>>& rates, MapDerivative<D>* out) {
   for (std::size_t k = 0; k < rates.size(); ++k) {
     const Matrix<D>& Y = rates[k];
     const Matrix<D> d_f = -strain * Y;
     const auto column = static_cast<Eigen::Index>(k);
     out->energy(column) += weight * (at.energy * Y.trace() + at.stress.cwiseProduct(d_f).sum());
-    Matrix<D> d_stress;
-    if (at.compact) {
-      d_stress = at.tangent.times(d_f);
-    } else {
-      const Eigen::Matrix<double, D * D, 1> v = Eigen::Map<const Eigen::Matrix<double, D * D, 1>>(d_f.data());
-      Eigen::Map<Eigen::Matrix<double, D * D, 1>>(d_stress.data()) = at.full * v;
-    }
+    const Matrix<D> d_stress = elasticity::tangentTimes<D>(shared, at, d_f);
     const Matrix<D> rate = weight * (Y.trace() * at.stress + d_stress - at.stress * Y.transpose());
     for (Eigen::Index a = 0; a < slope.cols(); ++a) {
       out->force.template block<D, 1>(D * nodes[a], column) += rate * slope.col(a);
@@ -66,14 +60,16 @@ MapDerivative<D> mapDerivative(const Discretisation<D>& solid, const Eigen::Vect
     for (int a = 0; a < solid.stencil(); ++a) moved.col(a) = u.template segment<D>(D * solid.cellNodes(c)[a]);
     for (const Term& term : solid.terms(cell.kind)) {
       const QuadratureRule<D>& rule = solid.rule(term.rule);
+      const elasticity::ConstitutiveModel<D>& law = solid.model(term.model);
+      const elasticity::DensityInterpolation::Value state = law.prepare(cell.density);
+      const elasticity::SharedTangent shared = law.shared(state, elasticity::Order::TANGENT);
       for (int p = 0; p < rule.size(); ++p) {
         slope = Eigen::Map<const Eigen::Matrix<double, D, Eigen::Dynamic>>(rule.slopeOf(p), D, solid.stencil());
         const Matrix<D> strain = moved * slope.transpose();
         const bool good =
-            solid.model(term.model)
-                .evaluate(Matrix<D>::Identity() + strain, cell.density, elasticity::Order::TANGENT, response);
+            law.evaluatePrepared(Matrix<D>::Identity() + strain, state, elasticity::Order::TANGENT, response);
         if (!good) throw common::Error("map derivative: cell " + std::to_string(c) + " is turned inside out");
-        addParticle<D>(response, strain, cell.measure * rule.weight[p], slope, solid.cellNodes(c),
+        addParticle<D>(shared, response, strain, cell.measure * rule.weight[p], slope, solid.cellNodes(c),
                        rates[solid.cellBody(c)], &out);
       }
     }

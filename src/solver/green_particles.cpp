@@ -10,9 +10,11 @@ GreenParticles<D>::GreenParticles(std::shared_ptr<const mpm::Discretisation<D>> 
   for (int c = 0; c < solid_->cellCount(); ++c) {
     std::vector<Moduli>& own = moduli_.emplace_back();
     for (const mpm::Term& term : solid_->terms(solid_->cell(c).kind)) {
+      const elasticity::ConstitutiveModel<D>& law = solid_->model(term.model);
+      const elasticity::DensityInterpolation::Value state = law.prepare(solid_->cell(c).density);
       elasticity::Response<D> rest;
-      solid_->model(term.model).evaluate(Matrix::Identity(), solid_->cell(c).density, Order::TANGENT, rest);
-      const elasticity::FullTangent<D> a = rest.compact ? rest.tangent.full() : rest.full;
+      law.evaluatePrepared(Matrix::Identity(), state, Order::TANGENT, rest);
+      const elasticity::FullTangent<D> a = elasticity::fullTangent<D>(law.shared(state, Order::TANGENT), rest);
       own.push_back({a(0, D + 1), a(1, 1)});  // dP_00/dF_11, dP_10/dF_10
       count_ += static_cast<std::size_t>(solid_->rule(term.rule).size());
     }

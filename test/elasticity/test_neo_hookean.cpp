@@ -82,7 +82,8 @@ TEST(NeoHookean, PlaneStressHoldsAtTheExtremes) {
       Response<2> r;
       ASSERT_TRUE(law.evaluate(s * Matrix<2>::Identity(), 1, Order::TANGENT, r)) << nu << " " << log_s;
       EXPECT_NEAR(r.stress(0, 0), expected, 1e-13 * terms) << nu << " " << log_s;
-      EXPECT_TRUE(std::isfinite(r.energy) && r.tangent.full().allFinite()) << nu << " " << log_s;
+      EXPECT_TRUE(std::isfinite(r.energy) && fullTangent<2>(law.shared(law.prepare(1), Order::TANGENT), r).allFinite())
+          << nu << " " << log_s;
     }
   }
 }

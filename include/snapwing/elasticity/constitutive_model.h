@@ -22,17 +22,18 @@ enum class Order {
 };
 inline bool withTangent(Order order) { return order >= Order::TANGENT; }
 
-/// Isotropic tangents in the form that assembly is fast with:
-///   dP = a dF + b (Q : dF) Q + c Q dF^T Q + a0 dF + b0 tr(dF) I + c0 dF^T,   Q = F^-T
-/// a, a0, b0 and c0 must depend on the density alone, not on F: a cell then adds them once for all of its particles.
+/// The part of a tangent that is the same at every deformation, which a cell adds once for all of its particles:
+///   dP = a dF + b tr(dF) I + c dF^T
+struct SharedTangent {
+  double a = 0, b = 0, c = 0;  ///< [Pa]
+};
+
+/// The part that follows the deformation, in the form that assembly is fast with:
+///   dP = b (Q : dF) Q + c Q dF^T Q,   Q = F^-T
 template <int D>
 struct CompactTangent {
-  double a = 0, b = 0, c = 0;
+  double b = 0, c = 0;  ///< [Pa]
   Matrix<D> q = Matrix<D>::Zero();
-  double a0 = 0, b0 = 0, c0 = 0;
-
-  FullTangent<D> full() const;
-  Matrix<D> times(const Matrix<D>& d_f) const;
 };
 
 /// Quantities per reference volume. Only what the asked order covers is filled.
@@ -40,11 +41,18 @@ template <int D>
 struct Response {
   double energy = 0;                             ///< W [J/m3]
   Matrix<D> stress = Matrix<D>::Zero();          ///< P = dW/dF [Pa]
-  bool compact = true;                           ///< tangent in `tangent`, else in `full`
+  bool compact = true;                           ///< what follows the deformation is in `tangent`, else in `full`
   CompactTangent<D> tangent;                     ///< [Pa]
   FullTangent<D> full = FullTangent<D>::Zero();  ///< [Pa], symmetric
   double det_f = 1;                              ///< det of the deformation gradient that the law sees
 };
+
+/// dP for a change dF of the deformation gradient: the law's shared part and what a response has beside it.
+template <int D>
+Matrix<D> tangentTimes(const SharedTangent& shared, const Response<D>& response, const Matrix<D>& d_f);
+/// The same as a matrix.
+template <int D>
+FullTangent<D> fullTangent(const SharedTangent& shared, const Response<D>& response);
 
 /// A law W(F, density). Thread-safe: const and without state.
 template <int D>
@@ -53,6 +61,8 @@ class ConstitutiveModel {
   virtual ~ConstitutiveModel() = default;
   /// What a density makes of the law: worked out once per cell, not once per particle.
   virtual DensityInterpolation::Value prepare(double density) const = 0;
+  /// What all deformations share of the tangent of an order; a response holds the rest.
+  virtual SharedTangent shared(const DensityInterpolation::Value& /*cell*/, Order /*order*/) const { return {}; }
   /// @param f     deformation gradient [1]
   /// @param cell  of prepare()
   /// @return false if the energy is infinite there (turned inside out); `out` then holds only det_f

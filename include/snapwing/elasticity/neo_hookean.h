@@ -30,6 +30,7 @@ class NeoHookean : public ConstitutiveModel<D> {
              Part part = Part::ALL);
 
   DensityInterpolation::Value prepare(double density) const override { return interpolation_.at(density); }
+  SharedTangent shared(const DensityInterpolation::Value& cell, Order order) const override;
   bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                         Response<D>& out) const override;
   bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
@@ -44,6 +45,7 @@ class NeoHookean : public ConstitutiveModel<D> {
   /// Hyperelastic part at F; false if det F <= 0.
   bool hyperelastic(const Matrix<D>& f, Response<D>& out) const;
   double linearEnergy(const Matrix<D>& h) const;
+  SharedTangent linearTangent(const DensityInterpolation::Value& cell) const;
   Matrix<D> linearStress(const Matrix<D>& h) const;
   FullTangent<D> projected(const Matrix<D>& f, Order order) const;
 
