@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "snapwing/scene/arm_scene.h"
 #include "snapwing/scene/rung.h"
-#include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/scene_curve.h"
 #include "snapwing/vehicle/vehicle.h"
 
@@ -56,24 +56,25 @@ void traceSceneFile(const std::string& file, const std::string& drive, double ce
 
 void traceVehicle(const std::string& file) {
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(file);
-  const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
-                                      vehicle.material.mass_density.value};
   const mpm::DensityField design =
       mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
-  statics::ArmProblemSettings settings;
-  settings.cell_size = design.cell_size;
-  const statics::ArmProblem arm(vehicle.arm, material, design, settings);
-  statics::ArmCurveSettings curve_settings;
-  curve_settings.path.newton.relative_tolerance = TOLERANCE;
-  const statics::ArmCurve curve = statics::traceArm(arm, curve_settings);
-  const vehicle::ForceTable& t = curve.table;
+  scene::ArmSceneSettings settings;
+  settings.from = -0.015;
+  settings.to = 0.080;
+  const scene::Scene scene = scene::armScene(vehicle, design, settings);
+  const auto arm = scene::compileScene(scene, 1);
+  statics::TraceSettings trace;
+  trace.newton.relative_tolerance = TOLERANCE;
+  const statics::SceneCurve curve = statics::traceScene(scene, *arm, trace, {});
+  const vehicle::ForceTable t = curve.table();
   for (std::size_t k = 0; k < t.travel.size(); ++k) {
     std::printf("point %.17g %.17g %.17g %.17g %.17g %.17g %d %d\n", t.travel[k], t.force[k], t.stiffness[k],
                 t.energy[k], t.min_det_f[k], t.rotation[k], static_cast<int>(t.stable[k]),
                 static_cast<int>(t.iterations[k]));
   }
-  std::printf("end %s %d %d %d\n", solver::statusName(curve.status).c_str(), curve.iterations, curve.factorizations,
-              curve.projections);
+  const statics::PathResult whole = curve.costs();
+  std::printf("end %s %d %d %d\n", solver::statusName(whole.status).c_str(), whole.iterations, whole.factorizations,
+              whole.projections);
 }
 
 }  // namespace

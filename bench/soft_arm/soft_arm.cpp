@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/common/error.h"
+#include "snapwing/statics/path.h"
 
 namespace snapwing::bench {
 
@@ -19,9 +20,9 @@ Force coulomb(double f, double v) {
 }
 }  // namespace
 
-SoftArm::SoftArm(const statics::ArmProblem& arm, double mass_density, int arms,
+SoftArm::SoftArm(const scene::CompiledScene& arm, double mass_density, int arms,
                  const vehicle::VehicleParameters& parameters, bool boom)
-    : arm_(arm), problem_(arm.problem()), arms_(arms), p_(parameters), cholesky_(problem_.pattern()) {
+    : arm_(arm), problem_(arm.terms()), arms_(arms), p_(parameters), cholesky_(problem_.pattern()) {
   assembleMass(mass_density);
   // The vehicle file counts the arms in the total: the rigid ring is what they leave.
   ring_mass_ = (p_.ring_mass + (boom ? p_.boom_mass : 0)) / arms - mass_rr_;
@@ -30,7 +31,7 @@ SoftArm::SoftArm(const statics::ArmProblem& arm, double mass_density, int arms,
 }
 
 void SoftArm::assembleMass(double mass_density) {
-  const mpm::Discretisation<2>& solid = arm_.solid();
+  const mpm::Discretisation<2>& solid = *arm_.planar();
   const solver::Reduction& reduction = problem_.coordinates().linear();
   const solver::SparsePattern& pattern = problem_.pattern();
   const Eigen::VectorXd b =

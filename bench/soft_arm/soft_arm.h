@@ -11,7 +11,7 @@
 
 #include <memory>
 
-#include "snapwing/statics/arm_problem.h"
+#include "snapwing/scene/scene_problem.h"
 #include "snapwing/vehicle/vehicle_parameters.h"
 
 namespace snapwing::bench {
@@ -25,9 +25,9 @@ struct SoftState {
 
 class SoftArm {
  public:
-  /// @param arm      must outlive this; @param arms  of the vehicle
+  /// @param arm      planar, of one body; must outlive this. @param arms  of the vehicle
   /// @param boom     boom's mass, drag and friction join the ring
-  SoftArm(const statics::ArmProblem& arm, double mass_density, int arms, const vehicle::VehicleParameters& parameters,
+  SoftArm(const scene::CompiledScene& arm, double mass_density, int arms, const vehicle::VehicleParameters& parameters,
           bool boom);
 
   /// At rest in the static equilibrium at a travel, from the arm's path. @throws common::Error if it is not converged
@@ -49,7 +49,7 @@ class SoftArm {
   /// M v of the arm alone: free part, travel, ring.
   Bordered momentum(const Eigen::VectorXd& z, double u, double r) const;
 
-  const statics::ArmProblem& arm_;
+  const scene::CompiledScene& arm_;
   const solver::TermProblem& problem_;
   int arms_;
   vehicle::VehicleParameters p_;

@@ -4,6 +4,8 @@
 #include <cstdio>
 
 #include "snapwing/common/error.h"
+#include "snapwing/scene/arm_scene.h"
+#include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::bench {
 
@@ -58,16 +60,17 @@ ArmBody::ArmBody(const vehicle::Vehicle& of, double cell_size, double least_dens
   const vehicle::ArmSettings& a = vehicle.arm;
   mpm::DensityField design = mpm::loadDensityCsv(a.density_file, a.domain_length, a.domain_height);
   if (cell_size > 0) design = design.resampled(cell_size);
-  const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
-                                      vehicle.material.mass_density.value};
-  arm = std::make_unique<statics::ArmProblem>(a, material, withoutLightCells(design, least_density),
-                                              statics::ArmProblemSettings{});
-  statics::ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
+  settings.from = -0.015;
+  settings.to = 0.080;
   settings.step = travel_step;
   settings.back = false;
-  statics::ArmCurve curve = statics::traceArm(*arm, settings);
-  if (curve.status != solver::SolveStatus::CONVERGED) throw common::Error("soft arm: " + curve.message);
-  table = std::move(curve.table);
+  const scene::Scene scene = scene::armScene(vehicle, withoutLightCells(design, least_density), settings);
+  arm = scene::compileScene(scene, 1);
+  const statics::SceneCurve curve = statics::traceScene(scene, *arm, {}, {});
+  const statics::PathResult whole = curve.costs();
+  if (whole.status != solver::SolveStatus::CONVERGED) throw common::Error("soft arm: " + whole.message);
+  table = curve.table();
   table.arm_count = a.count;
   parameters = vehicle::realise(vehicle, table);
 }

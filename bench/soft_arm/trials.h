@@ -10,7 +10,7 @@ namespace snapwing::bench {
 struct ArmBody {
   ArmBody(const vehicle::Vehicle& vehicle, double cell_size, double least_density, double travel_step);
   vehicle::Vehicle vehicle;
-  std::unique_ptr<statics::ArmProblem> arm;
+  std::unique_ptr<scene::CompiledScene> arm;
   vehicle::ForceTable table;
   vehicle::VehicleParameters parameters;
 };

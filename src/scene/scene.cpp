@@ -249,6 +249,14 @@ double SceneBody::thicknessAt(double x, double y) const {
   return result;
 }
 
+int stepCount(double length, double step) { return static_cast<int>(std::ceil(std::abs(length) / step - 1e-9)); }
+
+int rotationMonitor(const Scene& scene) {
+  const auto found = std::find_if(scene.monitors.begin(), scene.monitors.end(),
+                                  [](const SceneMonitor& monitor) { return monitor.radius > 0; });
+  return found == scene.monitors.end() ? -1 : static_cast<int>(found - scene.monitors.begin());
+}
+
 bool isScene(const std::string& path) { return SettingsReader::fromFile(path).has("scene"); }
 
 Scene loadScene(const std::string& path) {

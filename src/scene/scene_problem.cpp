@@ -78,8 +78,10 @@ class CompiledSceneOf : public CompiledScene {
   }
 
   mpm::MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const override {
-    constexpr double H = 1e-6;  // [m] displacements are linear in z and p but for rigid rotations
-    const Eigen::VectorXd rate = (full(z + H * slope, p + H) - full(z - H * slope, p - H)) / (2 * H);
+    const solver::Coordinates& coordinates = problem_->coordinates();
+    solver::Coordinates::Place place;
+    coordinates.at(z, Eigen::VectorXd::Constant(1, p), nullptr, place);
+    const Eigen::VectorXd rate = coordinates.push(place, slope, Eigen::VectorXd::Ones(1));
     Point3 axis = Point3::Zero();
     if (!scene_.ports.empty()) {
       const ScenePort& port = scene_.ports.front();

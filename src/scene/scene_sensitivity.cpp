@@ -8,17 +8,17 @@ namespace snapwing::scene {
 
 template <int D>
 SceneSensitivityOf<D>::SceneSensitivityOf(SensitivityParts<D> parts, const solver::Equilibrium& x)
-    : parts_(std::move(parts)), x_(x), cholesky_(parts_.problem.pattern()), system_(parts_.problem, cholesky_) {
+    : parts_(std::move(parts)),
+      x_(x),
+      cholesky_(parts_.problem.pattern()),
+      system_(parts_.problem, cholesky_),
+      adjoint_(parts_.problem, system_, x_.at, parts_.solid.cellCount()) {
   if (system_.factorize(x_.at) < 0) {
     throw common::Error("sensitivities do not exist at control " + std::to_string(x_.p(0)) +
                         ": the Hessian is singular there (a limit point, a bifurcation or a free motion)");
   }
-  Eigen::VectorXd load, control_part;
-  parts_.problem.controlTangent(x_.at, Eigen::VectorXd::Ones(1), load, control_part);
+  tangent_ = adjoint_.tangent();
   const solver::Constraints* constraints = parts_.problem.constraints();
-  Eigen::VectorXd driven;
-  if (constraints != nullptr) driven = constraints->control().col(0);
-  system_.solve(-load, driven, slope_, multiplier_slope_);
   if (constraints == nullptr) return;
   force_ = x_.multipliers + constraints->penalty() * x_.at.constraint_residual;
   moveJoints();
@@ -59,29 +59,14 @@ solver::LinearRows SceneSensitivityOf<D>::movedRows(int joint, int axis) const {
   return at[1];
 }
 
-/// Directions of nodal displacements, without the rigid groups' dofs.
-template <int D>
-Eigen::VectorXd SceneSensitivityOf<D>::nodal(const Eigen::VectorXd& dz, double dp) const {
-  return parts_.problem.coordinates()
-      .linear()
-      .expandDirection(dz, Eigen::VectorXd::Constant(1, dp))
-      .head(parts_.solid.dofCount());
-}
-
-template <int D>
-Eigen::VectorXd SceneSensitivityOf<D>::densitySlope(const Eigen::VectorXd& v) const {
-  return parts_.problem.densityDerivative(x_.at, &v, parts_.solid.cellCount());
-}
-
 template <int D>
 SceneSlope SceneSensitivityOf<D>::reaction() const {
   SceneSlope result;
-  result.density = densitySlope(nodal(slope_, 1));
-  const Eigen::VectorXd along = parts_.problem.coordinates().push(x_.at.place, slope_, Eigen::VectorXd::Ones(1));
+  result.density = adjoint_.reaction(tangent_);
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    result.joint(k / 2, k % 2) = multiplier_slope_.dot(rows_[k].residual(x_.at.place.y, x_.p)) +
-                                 force_.dot(rows_[k].rows * along - rows_[k].control.col(0));
+    result.joint(k / 2, k % 2) = tangent_.multipliers.dot(rows_[k].residual(x_.at.place.y, x_.p)) +
+                                 force_.dot(rows_[k].rows * tangent_.y - rows_[k].control.col(0));
   }
   return result;
 }
@@ -89,7 +74,7 @@ SceneSlope SceneSensitivityOf<D>::reaction() const {
 template <int D>
 SceneSlope SceneSensitivityOf<D>::potential() const {
   SceneSlope result;
-  result.density = parts_.problem.densityDerivative(x_.at, nullptr, parts_.solid.cellCount());
+  result.density = adjoint_.potential();
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     result.joint(k / 2, k % 2) = force_.dot(rows_[k].residual(x_.at.place.y, x_.p));
@@ -99,17 +84,13 @@ SceneSlope SceneSensitivityOf<D>::potential() const {
 
 template <int D>
 SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) const {
-  const solver::Reduction& reduction = parts_.problem.coordinates().linear();
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(reduction.dofCount()), w, nu;
-  all.head(gradient.size()) = gradient;
-  const Eigen::VectorXd closed = Eigen::VectorXd::Zero(force_.size());
-  system_.solve(reduction.restrictToFree(all), closed, w, nu);
+  const solver::Motion w = adjoint_.adjoint(gradient);
   SceneSlope result;
-  result.density = -densitySlope(nodal(w, 0));
-  const Eigen::VectorXd moved = parts_.problem.coordinates().push(x_.at.place, w, Eigen::VectorXd::Zero(1));
+  result.density = adjoint_.displacement(w);
   result.joint.resize(joints_.size(), 2);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    result.joint(k / 2, k % 2) = -force_.dot(rows_[k].rows * moved) - nu.dot(rows_[k].residual(x_.at.place.y, x_.p));
+    result.joint(k / 2, k % 2) =
+        force_.dot(rows_[k].rows * w.y) + w.multipliers.dot(rows_[k].residual(x_.at.place.y, x_.p));
   }
   return result;
 }

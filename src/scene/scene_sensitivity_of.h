@@ -44,16 +44,14 @@ class SceneSensitivityOf : public SceneSensitivity {
   solver::LinearRows movedRows(int joint, int axis) const;
   /// Total derivative of a functional of the displacements: `gradient` by the nodes, at fixed theta.
   SceneSlope functional(const Eigen::VectorXd& gradient) const;
-  /// d(r . v)/drho_c of the nodal residual r = dE/du - l, (cells x 1) [N m].
-  Eigen::VectorXd densitySlope(const Eigen::VectorXd& v) const;
-  Eigen::VectorXd nodal(const Eigen::VectorXd& dz, double dp) const;
 
   SensitivityParts<D> parts_;
   const solver::Equilibrium x_;
   solver::Cholesky cholesky_;
   solver::TangentSystem system_;
-  Eigen::VectorXd slope_, multiplier_slope_;  ///< dz/dp, dlambda/dp
-  Eigen::VectorXd force_;                     ///< of the kept equations: lambda + rho g
+  solver::Sensitivity adjoint_;
+  solver::Motion tangent_;
+  Eigen::VectorXd force_;  ///< of the kept equations: lambda + rho g
   std::vector<int> joints_;
   std::vector<solver::LinearRows> rows_;  ///< two per joint
 };

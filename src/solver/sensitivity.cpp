@@ -1,27 +1,40 @@
 #include "snapwing/solver/sensitivity.h"
 
+#include <utility>
+
 namespace snapwing::solver {
 
-Eigen::VectorXd Sensitivity::reaction() const {
-  const Eigen::VectorXd dp = Eigen::VectorXd::Ones(1);
-  Eigen::VectorXd free_part, control_part;
-  problem_.controlTangent(at_, dp, free_part, control_part);
-  return reaction(-cholesky_.solve(free_part));
+Motion Sensitivity::tangent() const {
+  Eigen::VectorXd load, control_part, driven;
+  problem_.controlTangent(at_, Eigen::VectorXd::Ones(1), load, control_part);
+  if (problem_.constraints() != nullptr) driven = problem_.constraints()->control().col(0);
+  Eigen::VectorXd slope, multipliers;
+  system_.solve(-load, driven, slope, multipliers);
+  Motion motion = tangent(slope);
+  motion.multipliers = std::move(multipliers);
+  return motion;
 }
 
-Eigen::VectorXd Sensitivity::reaction(const Eigen::VectorXd& slope) const {
-  const Eigen::VectorXd v = problem_.coordinates().push(at_.place, slope, Eigen::VectorXd::Ones(1));
-  return problem_.densityDerivative(at_, &v, cells_);
+Motion Sensitivity::tangent(const Eigen::VectorXd& slope) const {
+  return {slope, {}, problem_.coordinates().push(at_.place, slope, Eigen::VectorXd::Ones(1))};
 }
 
-Eigen::VectorXd Sensitivity::displacement(const Eigen::VectorXd& functional) const {
-  const Eigen::VectorXd adjoint = -cholesky_.solve(problem_.coordinates().pullBack(at_.place, functional));
-  const Eigen::VectorXd v =
-      problem_.coordinates().push(at_.place, adjoint, Eigen::VectorXd::Zero(problem_.controlCount()));
-  return problem_.densityDerivative(at_, &v, cells_);
+Motion Sensitivity::adjoint(const Eigen::VectorXd& functional) const {
+  const Coordinates& coordinates = problem_.coordinates();
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(coordinates.fullCount()), closed;
+  all.head(functional.size()) = functional;
+  if (problem_.constraints() != nullptr) closed = Eigen::VectorXd::Zero(problem_.constraints()->count());
+  Motion motion;
+  system_.solve(-coordinates.pullBack(at_.place, all), closed, motion.z, motion.multipliers);
+  motion.y = coordinates.push(at_.place, motion.z, Eigen::VectorXd::Zero(problem_.controlCount()));
+  return motion;
 }
 
-Eigen::VectorXd Sensitivity::energy() const { return problem_.densityDerivative(at_, nullptr, cells_); }
+Eigen::VectorXd Sensitivity::alongMotion(const Motion& motion) const {
+  return problem_.densityDerivative(at_, &motion.y, cells_);
+}
+
+Eigen::VectorXd Sensitivity::potential() const { return problem_.densityDerivative(at_, nullptr, cells_); }
 
 template <int D>
 Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid) {

@@ -47,29 +47,90 @@ std::string SceneCurve::csv(const scene::Scene& scene) const {
   return text.str();
 }
 
+PathResult SceneCurve::costs() const {
+  PathResult sum;
+  for (const PathResult* run : {&path, &below, &back}) {
+    if (run->status == solver::SolveStatus::NOT_SOLVED) continue;
+    if (sum.status == solver::SolveStatus::NOT_SOLVED || run->status != solver::SolveStatus::CONVERGED) {
+      sum.status = run->status;
+      sum.message = run->message;
+    }
+    for (const auto count :
+         {&PathResult::iterations, &PathResult::factorizations, &PathResult::projections, &PathResult::halvings}) {
+      sum.*count += run->*count;
+    }
+    for (const auto seconds : {&PathResult::seconds, &PathResult::seconds_assembly, &PathResult::seconds_factor,
+                               &PathResult::seconds_solve, &PathResult::seconds_analysis}) {
+      sum.*seconds += run->*seconds;
+    }
+  }
+  return sum;
+}
+
+namespace {
+
+/// Calls visit(run, number) for the points of a table, travel increasing.
+template <class Visit>
+void eachTablePoint(const SceneCurve& curve, const Visit& visit) {
+  const std::vector<PathPoint>& path = curve.path.points;
+  const bool down = !path.empty() && path.back().control < path.front().control;
+  for (std::size_t k = curve.below.points.size(); k-- > 1;) visit(curve.below, k);
+  for (std::size_t n = 0; n < path.size(); ++n) visit(curve.path, down ? path.size() - 1 - n : n);
+}
+
+}  // namespace
+
 vehicle::ForceTable SceneCurve::table() const {
   vehicle::ForceTable t;
-  const bool down = !path.points.empty() && path.points.back().control < path.points.front().control;
-  for (std::size_t n = 0; n < path.points.size(); ++n) {
-    const std::size_t k = down ? path.points.size() - 1 - n : n;
-    const PathPoint& p = path.points[k];
+  eachTablePoint(*this, [&](const PathResult& run, std::size_t k) {
+    const PathPoint& p = run.points[k];
+    const mpm::MovingMass& moving = &run == &below ? inertia_below[k] : inertia[k];
+    const std::vector<double>& seen = &run == &below ? monitors_below[k] : monitors[k];
     t.travel.push_back(p.control);
     t.force.push_back(multiplicity * p.force);
     t.stiffness.push_back(multiplicity * p.stiffness);
     t.energy.push_back(multiplicity * p.energy);
-    t.mass = inertia[k].mass;
-    t.kinetic_mass.push_back(inertia[k].kinetic);
-    t.coupled_mass.push_back(inertia[k].coupled);
-    t.rotation.push_back(0);
+    t.mass = moving.mass;
+    t.kinetic_mass.push_back(moving.kinetic);
+    t.coupled_mass.push_back(moving.coupled);
+    t.rotation.push_back(rotation >= 0 ? seen[rotation] : 0);
     t.min_det_f.push_back(p.min_det_f);
     t.stable.push_back(p.stable ? 1 : 0);
     t.iterations.push_back(p.iterations);
-  }
-  if (!back.points.empty() && back.points.size() == path.points.size()) {
-    for (const PathPoint& p : back.points) t.force_back.push_back(multiplicity * p.force);
-    if (!down) std::reverse(t.force_back.begin(), t.force_back.end());
+  });
+  if (back.points.empty() || back.points.size() != path.points.size()) return t;
+  // Below zero there is no way back of its own: the curve is reversible there by construction.
+  t.force_back = t.force;
+  const std::size_t last = t.force.size() - 1, count = back.points.size();
+  const bool down = path.points.back().control < path.points.front().control;
+  for (std::size_t k = 0; k < count; ++k) {
+    t.force_back[down ? k : last - k] = multiplicity * back.points[k].force;
   }
   return t;
+}
+
+vehicle::ArmShapes outlineAlong(const scene::Scene& scene, const scene::CompiledScene& compiled,
+                                const SceneCurve& curve, int body) {
+  const mpm::DensityField& density = scene.bodies[body].density;
+  if (compiled.planar() == nullptr || density.value.empty()) {
+    throw common::Error("body '" + scene.bodies[body].name + "' has no outline; allowed: planar, given by a density");
+  }
+  vehicle::ArmShapes shapes;
+  shapes.rest = mpm::outline(density.resampled(scene.cell_size), 0.5);
+  eachTablePoint(curve, [&](const PathResult& run, std::size_t k) {
+    const PathPoint& p = run.points[k];
+    const Eigen::VectorXd u =
+        compiled.terms().coordinates().expand(p.solution, Eigen::VectorXd::Constant(1, p.control));
+    auto loops = shapes.rest;
+    for (auto& loop : loops) {
+      for (auto& point : loop) {
+        const mpm::Vector<2> moved = compiled.planar()->displacementAt(body, {point[0], point[1]}, u);
+        point = {point[0] + moved(0), point[1] + moved(1)};
+      }
+    }
+    shapes.moved.push_back(std::move(loops));
+  });
+  return shapes;
 }
 
 namespace {
@@ -81,7 +142,10 @@ class SceneTracer {
               const std::function<bool(double, double)>& progress)
       : scene_(scene), problem_(compiled.problem()), settings_(settings), progress_(progress) {
     for (int k = 0; k <= scene.steps; ++k) targets_.push_back(scene.to * k / scene.steps);
-    total_ = static_cast<double>(targets_.size()) * (twoRuns() ? 2 : 1);
+    for (int k = 0; k <= scene.from_steps && scene.from_steps > 0; ++k) {
+      below_.push_back(scene.from * k / scene.from_steps);
+    }
+    total_ = static_cast<double>(targets_.size()) * (twoRuns() ? 2 : 1) + static_cast<double>(below_.size());
   }
 
   /// @param out  forces and points are filled in as they come
@@ -89,7 +153,12 @@ class SceneTracer {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem_.freeCount());
     const bool resumed = settings_.resume != nullptr;
     out.path = one(rest, targets_, resumed ? &settings_.resume->path : nullptr, out.path, out);
-    if (!twoRuns() || out.path.status != solver::SolveStatus::CONVERGED) return;
+    if (out.path.status != solver::SolveStatus::CONVERGED) return;
+    if (!below_.empty()) {
+      out.below = one(out.path.points.front().solution, below_, nullptr, out.below, out);
+      if (out.below.status != solver::SolveStatus::CONVERGED) return;
+    }
+    if (!twoRuns()) return;
     const std::vector<double> back(targets_.rbegin(), targets_.rend());
     const bool second = resumed && !settings_.resume->back.points.empty();
     out.back = one(out.path.points.back().solution, back, second ? &settings_.resume->back : nullptr, out.back, out);
@@ -158,7 +227,7 @@ class SceneTracer {
   const solver::Problem& problem_;
   const TraceSettings& settings_;
   const std::function<bool(double, double)>& progress_;
-  std::vector<double> targets_;
+  std::vector<double> targets_, below_;
   double total_ = 1, done_ = 0;
   bool cancelled_ = false;
 };
@@ -178,9 +247,14 @@ SceneCurve traceScene(const scene::Scene& scene, const scene::CompiledScene& com
   }
   curve.limit_points = turningPoints(curve.path.points);
   curve.crossings = stabilityChanges(curve.path.points);
+  curve.rotation = scene::rotationMonitor(scene);
   for (const PathPoint& p : curve.path.points) {
     curve.monitors.push_back(compiled.monitors(p.solution, p.control));
     curve.inertia.push_back(compiled.movingMass(p.solution, p.control, p.slope));
+  }
+  for (const PathPoint& p : curve.below.points) {
+    curve.monitors_below.push_back(compiled.monitors(p.solution, p.control));
+    curve.inertia_below.push_back(compiled.movingMass(p.solution, p.control, p.slope));
   }
   return curve;
 }

@@ -15,8 +15,10 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/scene/arm_scene.h"
 #include "snapwing/scene/rung.h"
-#include "snapwing/statics/arm_problem.h"
+#include "snapwing/statics/features.h"
+#include "snapwing/statics/scene_curve.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "snapwing/vehicle/vehicle.h"
@@ -83,7 +85,7 @@ std::string toText(double value) {
   return text.str();
 }
 
-void describe(const CurveOptions& options, const vehicle::Vehicle& vehicle, const statics::ArmProblem& arm,
+void describe(const CurveOptions& options, const vehicle::Vehicle& vehicle, double cell_size, int unknowns,
               vehicle::ForceTable& table) {
   table.arm_count = vehicle.arm.count;
   auto& p = table.provenance;
@@ -91,9 +93,9 @@ void describe(const CurveOptions& options, const vehicle::Vehicle& vehicle, cons
   p["rung"] = "planar";
   p["plane"] = options.plane;
   p["kernel"] = "linear";
-  p["cell_size_m"] = toText(arm.field().cell_size);
+  p["cell_size_m"] = toText(cell_size);
   p["step_m"] = toText(options.step);
-  p["dof"] = std::to_string(arm.problem().freeCount());
+  p["dof"] = std::to_string(unknowns);
   p["snapwing_version"] = common::version();
   p["command"] = "snapwing curve, plane " + options.plane + ", from " + toText(table.travel.front()) + " m to " +
                  toText(table.travel.back()) + " m";
@@ -118,10 +120,11 @@ void writeCsv(const std::string& path, const vehicle::ForceTable& table) {
   common::writeFileAtomically(path, csvText(table));
 }
 
-nlohmann::json summarise(const statics::ArmCurve& curve) {
-  nlohmann::json j = costsOf(curve, curve.located);
-  for (const auto& [key, value] : curve.table.provenance) j["provenance"][key] = value;
-  addFeatures(curve.table, curve.located, curve.table.arm_count, false, j);
+nlohmann::json summarise(const statics::PathResult& costs, const statics::LocatedFeatures& located,
+                         const vehicle::ForceTable& table) {
+  nlohmann::json j = costsOf(costs, located);
+  for (const auto& [key, value] : table.provenance) j["provenance"][key] = value;
+  addFeatures(table, located, table.arm_count, false, j);
   j["forces_are"] = "totals of all arms";
   return j;
 }
@@ -180,53 +183,66 @@ void refuseSceneOptions(const CurveOptions& o) {
   }
 }
 
+scene::ArmSceneSettings armSettings(const CurveOptions& options, const vehicle::Vehicle& vehicle,
+                                    const mpm::DensityField& design) {
+  scene::ArmSceneSettings settings;
+  settings.cell_size = options.cell_size;
+  if (!options.resolution.empty()) settings.cell_size = scene::cellSizeFor(options.resolution, design.cell_size);
+  settings.plane = options.plane == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
+  settings.from = std::isnan(options.from) ? vehicle.limits.travel_min : options.from;
+  settings.to = std::isnan(options.to) ? vehicle.limits.travel_max : options.to;
+  settings.step = options.step;
+  settings.back = !options.no_back;
+  settings.validate();
+  const double points = (settings.to - settings.from) / settings.step;
+  if (points > LARGEST_COUNT) {
+    throw common::Error("--step " + toText(options.step) + " m makes " + toText(points) +
+                        " points from --from to --to; allowed: at most " + std::to_string(LARGEST_COUNT));
+  }
+  return settings;
+}
+
+/// The arm of a vehicle in the plane.
+int runArm(const CurveOptions& options) {
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.input);
+  checkFiles(options, {vehicle.arm.density_file}, "");
+  vehicle::densityBytesOf(vehicle);
+  const mpm::DensityField design =
+      mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
+  const scene::Scene scene = scene::armScene(vehicle, design, armSettings(options, vehicle, design));
+  const auto arm = scene::compileScene(scene, options.threads);
+  statics::TraceSettings trace;
+  trace.newton.cancelled = InterruptGuard::interrupted;
+  const InterruptGuard guard;
+  const statics::SceneCurve curve = statics::traceScene(
+      scene, *arm, trace, [&](double share, double travel) { return showProgress(options, share, travel); });
+  statics::LocatedFeatures located;
+  if (curve.path.status == solver::SolveStatus::CONVERGED) {
+    located = statics::locateFeaturesOf(arm->problem(), trace.newton, curve.path.points);
+  }
+
+  vehicle::ForceTable table = curve.table();
+  table.shapes = statics::outlineAlong(scene, *arm, curve, 0);
+  if (!table.travel.empty()) describe(options, vehicle, scene.cell_size, arm->problem().freeCount(), table);
+  const statics::PathResult whole = curve.costs();
+  const nlohmann::json summary = summarise(whole, located, table);
+  const bool good = whole.status == solver::SolveStatus::CONVERGED;
+  if (good && !options.output.empty()) vehicle::saveForceTable(table, options.output);
+  if (!table.travel.empty()) writeResults(options, table, summary);
+  if (!good) {
+    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", solver::statusName(whole.status).c_str(), whole.message.c_str());
+    return 1;
+  }
+  printAnswer(options, summary);
+  return 0;
+}
+
 int runCurve(const CurveOptions& options) {
   const bool scene = scene::isScene(options.input) || options.rung == "volumetric";
   checkEndings(options, scene);
   if (scene) return runScene(options);
   refuseSceneOptions(options);
-  if (options.rung == "lumped") return runTable(options);
-  const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.input);
-  checkFiles(options, {vehicle.arm.density_file}, "");
-  const elasticity::Material material{vehicle.material.youngs_modulus.value, vehicle.material.poisson_ratio.value,
-                                      vehicle.material.mass_density.value};
-  vehicle::densityBytesOf(vehicle);
-  const mpm::DensityField design =
-      mpm::loadDensityCsv(vehicle.arm.density_file, vehicle.arm.domain_length, vehicle.arm.domain_height);
-  statics::ArmProblemSettings settings;
-  settings.cell_size = options.cell_size;
-  if (!options.resolution.empty()) settings.cell_size = scene::cellSizeFor(options.resolution, design.cell_size);
-  settings.plane = options.plane == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;
-  settings.threads = options.threads;
-  const statics::ArmProblem arm(vehicle.arm, material, design, settings);
-
-  statics::ArmCurveSettings curve_settings;
-  curve_settings.from = std::isnan(options.from) ? vehicle.limits.travel_min : options.from;
-  curve_settings.to = std::isnan(options.to) ? vehicle.limits.travel_max : options.to;
-  curve_settings.step = options.step;
-  const double points = (curve_settings.to - curve_settings.from) / curve_settings.step;
-  if (points > LARGEST_COUNT) {
-    throw common::Error("--step " + toText(options.step) + " m makes " + toText(points) +
-                        " points from --from to --to; allowed: at most " + std::to_string(LARGEST_COUNT));
-  }
-  curve_settings.back = !options.no_back;
-  curve_settings.locate = true;
-  curve_settings.path.newton.cancelled = InterruptGuard::interrupted;
-  curve_settings.progress = [&](double share, double travel) { return showProgress(options, share, travel); };
-  const InterruptGuard guard;
-  statics::ArmCurve curve = statics::traceArm(arm, curve_settings);
-
-  if (!curve.table.travel.empty()) describe(options, vehicle, arm, curve.table);
-  const nlohmann::json summary = summarise(curve);
-  const bool good = curve.status == solver::SolveStatus::CONVERGED;
-  if (good && !options.output.empty()) vehicle::saveForceTable(curve.table, options.output);
-  if (!curve.table.travel.empty()) writeResults(options, curve.table, summary);
-  if (!good) {
-    std::fprintf(stderr, "\nsnapwing curve: %s: %s\n", solver::statusName(curve.status).c_str(), curve.message.c_str());
-    return 1;
-  }
-  printAnswer(options, summary);
-  return 0;
+  return options.rung == "lumped" ? runTable(options) : runArm(options);
 }
 
 }  // namespace

@@ -1,13 +1,15 @@
 // The arm of the feasibility study against the curve of an independent code (test/data/arms, see its header).
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/statics/arm_problem.h"
+#include "snapwing/scene/arm_scene.h"
+#include "snapwing/statics/scene_curve.h"
 #include "support/example_arm.h"
 #include "support/paths.h"
 
@@ -36,17 +38,27 @@ std::vector<Row> reference() {
   return rows;
 }
 
-ArmProblem makeArm(const ArmProblemSettings& settings, const vehicle::ArmSettings& arm = testing::exampleArm()) {
+struct Traced {
+  PathResult costs;
+  vehicle::ForceTable table;
+};
+
+Traced traceArm(const scene::ArmSceneSettings& settings, const vehicle::ArmSettings& arm = testing::exampleArm(),
+                int threads = 1, const TraceSettings& trace = {}) {
   const mpm::DensityField design = mpm::loadDensityCsv(SOURCE + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
-  return ArmProblem(arm, {5.5e6, 0.48, 1210}, design, settings);
+  vehicle::Vehicle vehicle = testing::exampleArmVehicle();
+  vehicle.arm = arm;
+  const scene::Scene scene = scene::armScene(vehicle, design, settings);
+  const SceneCurve curve = traceScene(scene, *scene::compileScene(scene, threads), trace, {});
+  return {curve.costs(), curve.table()};
 }
 
 TEST(Arm, MeetsTheIndependentCurve) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = -0.005;
   settings.step = 0.002;
-  const ArmCurve curve = traceArm(makeArm({}), settings);
-  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED) << curve.message;
+  const Traced curve = traceArm(settings);
+  ASSERT_EQ(curve.costs.status, solver::SolveStatus::CONVERGED) << curve.costs.message;
   const std::vector<Row> rows = reference();
   ASSERT_EQ(rows.size(), 81u);
   // Same model: the reference is printed to six digits, .05 % of the peak leaves room for nothing but rounding of its
@@ -70,15 +82,14 @@ TEST(Arm, MeetsTheIndependentCurve) {
 
 /// Force is the slope of the energy and stiffness that of the force: central differences over the traced points.
 TEST(Arm, ForceAndStiffnessAreDerivatives) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = 0;
   settings.to = 0.02;
   settings.step = 0.00025;
   settings.back = false;
-  ArmProblemSettings coarse;
-  coarse.cell_size = 0.002;
-  const ArmCurve curve = traceArm(makeArm(coarse), settings);
-  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED);
+  settings.cell_size = 0.002;
+  const Traced curve = traceArm(settings);
+  ASSERT_EQ(curve.costs.status, solver::SolveStatus::CONVERGED);
   const auto& t = curve.table;
   for (std::size_t k = 1; k + 1 < t.travel.size(); ++k) {
     const double width = t.travel[k + 1] - t.travel[k - 1];
@@ -88,65 +99,97 @@ TEST(Arm, ForceAndStiffnessAreDerivatives) {
 }
 
 TEST(Arm, SameBitsForAnyThreadCount) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = 0;
   settings.to = 0.012;
   settings.step = 0.003;
-  ArmProblemSettings one, three;
-  three.threads = 3;
-  const ArmCurve a = traceArm(makeArm(one), settings), b = traceArm(makeArm(three), settings);
+  const Traced a = traceArm(settings), b = traceArm(settings, testing::exampleArm(), 3);
   EXPECT_EQ(a.table.force, b.table.force);
   EXPECT_EQ(a.table.stiffness, b.table.stiffness);
   EXPECT_EQ(a.table.energy, b.table.energy);
 }
 
 TEST(Arm, PlaneStrainIsStiffer) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = 0;
   settings.to = 0.012;
   settings.step = 0.004;
   settings.back = false;
-  ArmProblemSettings stress, strain;
-  stress.cell_size = strain.cell_size = 0.002;
-  strain.plane = elasticity::Plane::STRAIN;
-  const ArmCurve a = traceArm(makeArm(stress), settings), b = traceArm(makeArm(strain), settings);
-  ASSERT_EQ(b.status, solver::SolveStatus::CONVERGED) << b.message;
+  settings.cell_size = 0.002;
+  const Traced a = traceArm(settings);
+  settings.plane = elasticity::Plane::STRAIN;
+  const Traced b = traceArm(settings);
+  ASSERT_EQ(b.costs.status, solver::SolveStatus::CONVERGED) << b.costs.message;
   EXPECT_GT(b.table.force[2], 1.1 * a.table.force[2]);
 }
 
 TEST(Arm, OneHugeStepEndsWithAnAnswerOrAReason) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = 0;
   settings.step = 0.08 / 3;
   settings.back = false;
-  const ArmCurve curve = traceArm(makeArm({}), settings);
-  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED) << curve.message;
+  const Traced curve = traceArm(settings);
+  ASSERT_EQ(curve.costs.status, solver::SolveStatus::CONVERGED) << curve.costs.message;
   EXPECT_NEAR(curve.table.force.back(), 15.426318, 5e-4);
+}
+
+/// What lies below 0 joins on: no point twice, travel rises, and the way back is that of the part above.
+TEST(Arm, TableLeadsFromBelowZeroThroughTheWholePath) {
+  scene::ArmSceneSettings settings;
+  settings.from = -0.005;
+  settings.to = 0.012;
+  settings.step = 0.002;
+  settings.cell_size = 0.002;
+  const Traced curve = traceArm(settings);
+  ASSERT_EQ(curve.costs.status, solver::SolveStatus::CONVERGED) << curve.costs.message;
+  const auto& t = curve.table;
+  ASSERT_EQ(t.travel.size(), 3u + 7u);
+  EXPECT_DOUBLE_EQ(t.travel.front(), -0.005);
+  EXPECT_EQ(t.travel[3], 0);
+  EXPECT_DOUBLE_EQ(t.travel.back(), 0.012);
+  EXPECT_NO_THROW(t.validate());
+  for (std::size_t k = 0; k < t.travel.size(); ++k) {
+    EXPECT_TRUE(k == 0 || t.rotation[k] > t.rotation[k - 1]) << k;
+    EXPECT_TRUE(k >= 3 || t.force_back[k] == t.force[k]) << k;
+  }
+  settings.from = 0;
+  const Traced above = traceArm(settings);
+  EXPECT_EQ(above.table.force, std::vector<double>(t.force.begin() + 3, t.force.end()));
+  EXPECT_EQ(above.table.force_back, std::vector<double>(t.force_back.begin() + 3, t.force_back.end()));
+}
+
+TEST(Arm, RefusesPathsOfFewerThanThreeSteps) {
+  scene::ArmSceneSettings settings;
+  settings.to = 0.08;
+  EXPECT_NO_THROW(settings.validate());
+  for (const auto& [from, to, step] : {std::array{0.001, 0.08, 0.001}, {-0.001, 0.0, 0.001}, {0.0, 0.08, 0.027}}) {
+    settings.from = from, settings.to = to, settings.step = step;
+    EXPECT_THROW(settings.validate(), common::Error) << from << " " << to << " " << step;
+  }
 }
 
 TEST(Arm, RefusesPinOutsideAndEmptyClamp) {
   vehicle::ArmSettings arm = testing::exampleArm();
   arm.pin_x = 0.09;
-  EXPECT_THROW(makeArm({}, arm), common::Error);
+  EXPECT_THROW(traceArm({}, arm), common::Error);
   arm = testing::exampleArm();
   arm.clamp_y_low = 0.05;
   arm.clamp_y_high = 0.06;
-  EXPECT_THROW(makeArm({}, arm), common::Error);
+  EXPECT_THROW(traceArm({}, arm), common::Error);
 }
 
 TEST(Arm, ImpossibleTravelIsReportedNotInvented) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = 0;
   settings.to = 3.0;  // thirty times the arm's length
   settings.step = 1.0;
   settings.back = false;
-  settings.path.smallest_step = 0.25;
-  settings.path.newton.max_iterations = 5;
-  ArmProblemSettings coarse;
-  coarse.cell_size = 0.002;
-  const ArmCurve curve = traceArm(makeArm(coarse), settings);
-  EXPECT_NE(curve.status, solver::SolveStatus::CONVERGED);
-  EXPECT_FALSE(curve.message.empty());
+  settings.cell_size = 0.002;
+  TraceSettings trace;
+  trace.newton.max_iterations = 1;
+  const Traced curve = traceArm(settings, testing::exampleArm(), 1, trace);
+  EXPECT_NE(curve.costs.status, solver::SolveStatus::CONVERGED);
+  EXPECT_FALSE(curve.costs.message.empty());
   for (const double f : curve.table.force) EXPECT_TRUE(std::isfinite(f));
 }
 

@@ -5,7 +5,7 @@
 
 #include "scene/scene_text.h"
 #include "snapwing/elasticity/neo_hookean.h"
-#include "snapwing/statics/arm_problem.h"
+#include "snapwing/scene/arm_scene.h"
 #include "support/example_arm.h"
 
 namespace snapwing::statics {
@@ -41,27 +41,28 @@ TEST(MovingMass, TranslationAndRotationOfABlockAreInClosedForm) {
   EXPECT_NEAR(turned.coupled, 0, 1e-18);
 }
 
-ArmProblem coarseArm() {
+scene::Scene coarseArm(scene::ArmSceneSettings settings) {
   const mpm::DensityField design =
       mpm::loadDensityCsv(test::sourceDir() + "/data/arms/arris_x220_study.csv", 0.08, 0.04);
-  ArmProblemSettings settings;
   settings.cell_size = 0.002;
-  return ArmProblem(testing::exampleArm(), {5.5e6, 0.48, 1210}, design, settings);
+  return scene::armScene(testing::exampleArmVehicle(), design, settings);
 }
 
 /// K and S of the tangent against those of differences of solved equilibria, which must close in as their square.
 TEST(MovingMass, IsThatOfDifferencesAlongTheArmsPath) {
-  const ArmProblem arm = coarseArm();
+  const auto arm = scene::compileScene(coarseArm({}), 1);
   const auto error = [&](double u, double h) {
     std::vector<double> targets;
     for (double at = 0; at < u - 0.002; at += 0.002) targets.push_back(at);
     for (const double at : {u - h, u, u + h}) targets.push_back(at);
     const PathResult path =
-        PathFollower(arm.problem(), {}).follow(Eigen::VectorXd::Zero(arm.problem().freeCount()), targets);
+        PathFollower(arm->problem(), {}).follow(Eigen::VectorXd::Zero(arm->problem().freeCount()), targets);
     EXPECT_EQ(path.status, solver::SolveStatus::CONVERGED);
     const std::size_t n = path.points.size();
     const Eigen::VectorXd rate = (path.points[n - 1].solution - path.points[n - 3].solution) / (2 * h);
-    const mpm::MovingMass by_tangent = arm.movingMass(path.points[n - 2].slope), by_difference = arm.movingMass(rate);
+    const PathPoint& middle = path.points[n - 2];
+    const mpm::MovingMass by_tangent = arm->movingMass(middle.solution, middle.control, middle.slope),
+                          by_difference = arm->movingMass(middle.solution, middle.control, rate);
     EXPECT_LT(by_tangent.coupled, -0.15 * by_tangent.mass);
     EXPECT_LE(by_tangent.coupled * by_tangent.coupled, by_tangent.mass * by_tangent.kinetic);
     return std::max(std::abs(by_tangent.kinetic - by_difference.kinetic),
@@ -76,14 +77,14 @@ TEST(MovingMass, IsThatOfDifferencesAlongTheArmsPath) {
 }
 
 TEST(MovingMass, RidesWithTheCentreMostAtThePeak) {
-  ArmCurveSettings settings;
+  scene::ArmSceneSettings settings;
   settings.from = -0.004;
   settings.to = 0.056;
   settings.step = 0.002;
   settings.back = false;
-  const ArmCurve curve = traceArm(coarseArm(), settings);
-  ASSERT_EQ(curve.status, solver::SolveStatus::CONVERGED) << curve.message;
-  const vehicle::ForceTable& t = curve.table;
+  const SceneCurve curve = scene::trace(coarseArm(settings));
+  ASSERT_EQ(curve.costs().status, solver::SolveStatus::CONVERGED) << curve.costs().message;
+  const vehicle::ForceTable t = curve.table();
   EXPECT_NO_THROW(t.validate());
   EXPECT_EQ(t.kinetic_mass.size(), t.travel.size());
   const auto share = [&](double u) {

@@ -3,20 +3,16 @@
 
 #include <cmath>
 
+#include "snapwing/scene/arm_scene.h"
+#include "snapwing/scene/scene_problem.h"
 #include "snapwing/solver/sensitivity.h"
-#include "snapwing/statics/arm_problem.h"
+#include "snapwing/statics/path.h"
 #include "support/derivative_check.h"
 #include "support/example_arm.h"
 #include "support/paths.h"
 
 namespace snapwing::statics {
 namespace {
-
-vehicle::ArmSettings armSettings() {
-  vehicle::ArmSettings arm = testing::exampleArm();
-  arm.count = 1;
-  return arm;
-}
 
 /// The shipped design on 4 mm cells, moved along a fixed pattern by h.
 mpm::DensityField design(double h) {
@@ -29,15 +25,14 @@ mpm::DensityField design(double h) {
 }
 
 struct Solved {
-  std::unique_ptr<ArmProblem> arm;
+  std::unique_ptr<scene::CompiledScene> arm;
   Eigen::VectorXd z, p;
   solver::Evaluation at;
 };
 
 Solved solveAt(double travel, double h) {
   Solved s;
-  s.arm = std::make_unique<ArmProblem>(armSettings(), elasticity::Material{5.5e6, 0.48, 0}, design(h),
-                                       ArmProblemSettings());
+  s.arm = scene::compileScene(scene::armScene(testing::exampleArmVehicle(), design(h), {}), 1);
   PathSettings settings;
   settings.newton.relative_tolerance = 1e-12;
   std::vector<double> targets;
@@ -52,16 +47,16 @@ Solved solveAt(double travel, double h) {
 }
 
 /// Middle of the bar, down.
-Eigen::VectorXd functional(const ArmProblem& arm) {
-  const auto& solid = arm.solid();
+Eigen::VectorXd functional(const scene::CompiledScene& arm) {
+  const auto& solid = *arm.planar();
   Eigen::VectorXd a = Eigen::VectorXd::Zero(solid.dofCount());
   for (const auto& [node, weight] : solid.interpolate(0, {0.041, 0.013})) a(2 * node + 1) -= weight;
   return a;
 }
 
-double along(const Eigen::VectorXd& derivative, const ArmProblem& arm) {
+double along(const Eigen::VectorXd& derivative, const scene::CompiledScene& arm) {
   double sum = 0;
-  const auto& solid = arm.solid();
+  const auto& solid = *arm.planar();
   for (int c = 0; c < solid.cellCount(); ++c) {
     sum += derivative(c) * 0.04 * std::cos(3.0 * solid.grid(0).cellNumber(solid.cellAt(c)));
   }
@@ -74,11 +69,13 @@ TEST_P(AdjointAt, MatchesDifferences) {
   const double travel = GetParam();
   const Solved s = solveAt(travel, 0);
   solver::Cholesky cholesky(s.arm->problem().pattern());
-  ASSERT_TRUE(cholesky.factorize(s.at.hessian));
-  const solver::Sensitivity sensitivity(s.arm->problem(), cholesky, s.at, s.arm->solid().cellCount());
+  solver::TangentSystem system(s.arm->problem(), cholesky);
+  ASSERT_EQ(system.factorize(s.at), 0);
+  const solver::Sensitivity sensitivity(s.arm->terms(), system, s.at, s.arm->cellCount());
   Eigen::VectorXd claimed(3);
-  claimed << along(sensitivity.reaction(), *s.arm) / 1.0,
-      along(sensitivity.displacement(functional(*s.arm)), *s.arm) * 1e2, along(sensitivity.energy(), *s.arm) * 1e2;
+  claimed << along(sensitivity.reaction(sensitivity.tangent()), *s.arm),
+      along(sensitivity.displacement(sensitivity.adjoint(functional(*s.arm))), *s.arm) * 1e2,
+      along(sensitivity.potential(), *s.arm) * 1e2;
   const auto value = [&](double h) {
     const Solved moved = solveAt(travel, h);
     Eigen::VectorXd v(3);
@@ -97,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(BothBasins, AdjointAt, ::testing::Values(0.006, 0.060))
 TEST(Sensitivity, VolumeIsTheMeasureOfCells) {
   const Solved s = solveAt(0.001, 0);
   // 20 x 40 mm of 5 mm and 60 x 20 mm of 10 mm.
-  EXPECT_NEAR(solver::cellVolumes(s.arm->solid()).sum(), 4e-6 + 12e-6, 1e-12);
+  EXPECT_NEAR(solver::cellVolumes(*s.arm->planar()).sum(), 4e-6 + 12e-6, 1e-12);
 }
 
 }  // namespace

@@ -20,4 +20,16 @@ inline vehicle::ArmSettings exampleArm() {
   return arm;
 }
 
+/// A vehicle that states no more than what an arm's scene asks for.
+inline vehicle::Vehicle exampleArmVehicle() {
+  vehicle::Vehicle vehicle;
+  vehicle.name = "example";
+  vehicle.arm = exampleArm();
+  vehicle.material.youngs_modulus.value = 5.5e6;
+  vehicle.material.poisson_ratio.value = 0.48;
+  vehicle.material.mass_density.value = 1210;
+  vehicle.limits = {-0.015, 0.08};
+  return vehicle;
+}
+
 }  // namespace snapwing::testing

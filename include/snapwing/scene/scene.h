@@ -148,10 +148,17 @@ struct Scene {
   bool control_is_length = true;  ///< else a load factor [1]
   double to = 0;                  ///< the path leads from 0 to here
   int steps = 0;
+  double from = 0;     ///< [m] <= 0: from 0 to here as well, below `to` > 0; not in scene files
+  int from_steps = 0;  ///< 0: not
   bool back = false;
   solver::Enforcement enforcement = solver::Enforcement::ELIMINATION;
   double perturbation = 0;  ///< [m] largest motion along the critical mode by which a bifurcation is left; 0: stay
 };
+
+/// Least number of equal steps along a length of either sign that are not longer than `step`.
+int stepCount(double length, double step);
+/// Number of the first monitor that is a rotation; -1: none.
+int rotationMonitor(const Scene& scene);
 
 /// True if the file holds a scene (has the key `scene`), false for anything else that is YAML.
 bool isScene(const std::string& path);

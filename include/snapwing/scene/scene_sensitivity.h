@@ -1,10 +1,10 @@
 #pragma once
-/// Derivatives of a scene's results by the densities of its cells and by the places of its joints, by the adjoint
-/// method. With L(z, lambda; p, theta) = Pi + lambda . g, stationary in z and lambda, and [w, nu] the answer of the
-/// saddle point's matrix to a functional's gradient [a, 0]:
+/// Derivatives of a scene's results by the densities of its cells (solver::Sensitivity) and by the places of its
+/// joints, by the adjoint method. With L(z, lambda; p, theta) = Pi + lambda . g, stationary in z and lambda, and [w,
+/// nu] = -[H A^T; A 0]^-1 [a, 0] of a functional's gradient a:
 ///   dL/dtheta = L_theta                          the potential at a given control
 ///   dR/dtheta = d(L_theta)/dp along the branch   the reaction R = dL/dp
-///   dF/dtheta = -(w . r_theta + nu . g_theta)    a functional with dF/dz = a, where r = dL/dz
+///   dF/dtheta = w . r_theta + nu . g_theta    a functional with dF/dz = a, where r = dL/dz
 /// A joint's place X stands in g = C(X) z - D p - e alone. The kernels are at most quadratic in X along each axis, so
 /// that central differences of the rows of displaced joints are their exact derivatives within a cell; on a face
 /// between cells, where the linear kernel has a kink, they are the mean of both sides.

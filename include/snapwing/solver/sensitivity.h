@@ -1,11 +1,13 @@
 #pragma once
-/// Derivatives of results by the cells' densities, by the adjoint method. With r(z, rho; p) = dPi/dz = 0,
-///   dR/drho     = d2Pi/(drho dy) . dy/dp            for the reaction R = dPi/dp, dy/dp the tangent of the path
-///   d(a.y)/drho = d2Pi/(drho dy) . (-J H^-1 J^T a)  for a displacement functional
-///   dPi/drho    = dPi/drho at fixed y               for the potential at a driven displacement
+/// Derivatives of results by the cells' densities, by the adjoint method. With the potential Pi(y(z, p), rho) and kept
+/// constraints C z - D p - e = 0 of multipliers lambda,
+///   dR/drho     = d2Pi/(drho dy) . dy/dp  for the reaction R = dPi/dp, dy/dp the tangent of the path
+///   d(a.y)/drho = d2Pi/(drho dy) . J w    for a displacement functional, [w, nu] = -[H C^T; C 0]^-1 [J^T a; 0]
+///   dPi/drho    = dPi/drho at fixed y     for the potential at a driven displacement
 /// The first is the paper's formula with its sign corrected: J H^-1 enters dy/dp with a minus. What each term has of
 /// the densities it says itself (Term::densityDerivative).
 
+#include "snapwing/solver/tangent_system.h"
 #include "snapwing/solver/term_problem.h"
 
 namespace snapwing::solver {
@@ -14,24 +16,37 @@ namespace snapwing::solver {
 template <int D>
 Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid);
 
-/// All at one converged point; `cholesky` must hold the factor of the exact Hessian there. Per cell, in the order of
-/// cells.
+/// A motion of all that is solved for.
+struct Motion {
+  Eigen::VectorXd z, multipliers;  ///< free coordinates; of kept constraints, empty without
+  Eigen::VectorXd y;               ///< full coordinates
+};
+
+/// All at one converged point. Results are per cell, in the order of cells.
 class Sensitivity {
  public:
-  /// @param problem, cholesky  must outlive this
+  /// @param problem, system, at  must outlive this; `system` factorized at the point
   /// @param at     evaluation of order TANGENT at the equilibrium
   /// @param cells  of the solid
-  Sensitivity(const TermProblem& problem, const Cholesky& cholesky, const Evaluation& at, int cells)
-      : problem_(problem), cholesky_(cholesky), at_(at), cells_(cells) {}
+  Sensitivity(const TermProblem& problem, const TangentSystem& system, const Evaluation& at, int cells)
+      : problem_(problem), system_(system), at_(at), cells_(cells) {}
 
-  Eigen::VectorXd reaction() const;                                       ///< [N]
-  Eigen::VectorXd reaction(const Eigen::VectorXd& slope) const;           ///< [N] where slope = dz/dp is known already
-  Eigen::VectorXd displacement(const Eigen::VectorXd& functional) const;  ///< of functional . y, (coordinates x 1)
-  Eigen::VectorXd energy() const;                                         ///< [J]
+  /// d(z, lambda, y)/dp along the branch.
+  Motion tangent() const;
+  /// The same without its multipliers, where slope = dz/dp is known already.
+  Motion tangent(const Eigen::VectorXd& slope) const;
+  /// [w, nu] of a displacement functional a = d(result)/dy, (full coordinates x 1) or their first ones.
+  Motion adjoint(const Eigen::VectorXd& functional) const;
+
+  Eigen::VectorXd reaction(const Motion& tangent) const { return alongMotion(tangent); }      ///< [N]
+  Eigen::VectorXd displacement(const Motion& adjoint) const { return alongMotion(adjoint); }  ///< of a . y
+  Eigen::VectorXd potential() const;                                                          ///< [J]
 
  private:
+  Eigen::VectorXd alongMotion(const Motion& motion) const;
+
   const TermProblem& problem_;
-  const Cholesky& cholesky_;
+  const TangentSystem& system_;
   const Evaluation& at_;
   int cells_;
 };

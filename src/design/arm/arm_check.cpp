@@ -13,7 +13,6 @@
 #include "snapwing/common/parallel.h"
 #include "snapwing/design/arm/arm_extrapolation.h"
 #include "snapwing/design/arm/design_scene.h"
-#include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::design {
@@ -36,43 +35,22 @@ struct Body {
 
 using Cancel = std::function<bool(double, double)>;
 
-/// A vehicle's arm with pictures of the moved outline.
-void traceArm(const ArmDesignSettings& s, const mpm::DensityField& field, const Cancel& cancel, ArmCheckCase& c) {
-  const vehicle::Vehicle& v = s.vehicle;
-  statics::ArmProblemSettings physics;
-  physics.plane = s.plane;
-  physics.interpolation.threshold = s.void_threshold;
-  const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
-                                      v.material.mass_density.value};
-  statics::ArmCurveSettings settings;
-  settings.from = s.vehicle.limits.travel_min;
-  settings.to = s.travel_max;
-  settings.step = s.check_step;
-  settings.progress = cancel;
-  const statics::ArmProblem arm(v.arm, material, field, physics);
-  statics::ArmCurve curve = statics::traceArm(arm, settings);
-  c.traced = curve.status == solver::SolveStatus::CONVERGED;
-  c.message = curve.message;
-  c.table = std::move(curve.table);
-}
-
-void traceScene(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
-                ArmCheckCase& c) {
-  const SceneRung rung{body.volumetric, body.quadratic, field.cell_size,
-                       body.volumetric ? s.check_volumetric_step : s.check_step};
+/// The table of a vehicle's arm in the plane, which may fly, has all travels and pictures of the moved outline.
+void traceBody(const ArmDesignSettings& s, const mpm::DensityField& field, const Body& body, const Cancel& cancel,
+               ArmCheckCase& c) {
+  const bool flies = !s.user_scene && !body.volumetric && !body.quadratic;
+  SceneRung rung{body.volumetric, body.quadratic, field.cell_size,
+                 body.volumetric ? s.check_volumetric_step : s.check_step};
+  if (flies) rung.from = s.vehicle.limits.travel_min;
   const scene::Scene scene = designScene(s, rung, &field);
   const auto compiled = scene::compileScene(scene, 1);
   const statics::SceneCurve curve = statics::traceScene(scene, *compiled, {}, cancel);
-  const bool forward = curve.path.status == solver::SolveStatus::CONVERGED;
-  c.traced = forward && curve.back.status == solver::SolveStatus::CONVERGED;
-  c.message = forward ? curve.back.message : curve.path.message;
+  const statics::PathResult whole = curve.costs();
+  c.traced = whole.status == solver::SolveStatus::CONVERGED;
+  c.message = whole.message;
   if (curve.path.points.size() < 4) return;
   c.table = curve.table();
-  for (std::size_t m = 0; m < scene.monitors.size(); ++m) {
-    if (scene.monitors[m].radius <= 0) continue;  // the first monitor that is a rotation
-    for (std::size_t k = 0; k < curve.monitors.size(); ++k) c.table.rotation[k] = curve.monitors[k][m];
-    break;
-  }
+  if (flies) c.table.shapes = statics::outlineAlong(scene, *compiled, curve, s.body);
 }
 
 /// Traces one field and reads the curve off.
@@ -80,8 +58,7 @@ void trace(const ArmDesignSettings& s, const mpm::DensityField& field, const Bod
            ArmCheckCase& c) {
   c.turns = s.turns();
   try {
-    const bool as_arm = !s.user_scene && !body.volumetric && !body.quadratic;
-    as_arm ? traceArm(s, field, cancel, c) : traceScene(s, field, body, cancel, c);
+    traceBody(s, field, body, cancel, c);
   } catch (const common::Error& e) {  // pin or clamp without material: an outcome of the design, not bad input
     c.message = e.what();
     return;

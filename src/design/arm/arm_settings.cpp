@@ -209,10 +209,7 @@ int ArmDesignSettings::iterations() const {
   return sum;
 }
 
-bool ArmDesignSettings::turns() const {
-  return !user_scene || std::any_of(scene.monitors.begin(), scene.monitors.end(),
-                                    [](const scene::SceneMonitor& m) { return m.radius > 0; });
-}
+bool ArmDesignSettings::turns() const { return !user_scene || scene::rotationMonitor(scene) >= 0; }
 
 std::string ArmDesignSettings::hash() const { return common::sha256(inputs_sha256 + common::version()); }
 

@@ -24,12 +24,12 @@ statics::PathSettings pathSettings(double tolerance) {
 
 }  // namespace
 
-void ArmTopology::sense(const Variant& variant, State& state, const solver::Cholesky* cholesky,
+void ArmTopology::sense(const Variant& variant, State& state, const solver::TangentSystem* system,
                         const solver::Evaluation& at) const {
   const Mechanism& mechanism = variant.mechanism;
-  if (state.wants_strain) state.strain = mechanism.strain(settings_.strain_power, cholesky, at);
-  if (state.wants_rotation) state.rotation = mechanism.rotation(cholesky, at);
-  if (state.wants_potential) state.potential = mechanism.potential(cholesky, at);
+  if (state.wants_strain) state.strain = mechanism.strain(settings_.strain_power, system, at);
+  if (state.wants_rotation) state.rotation = mechanism.rotation(system, at);
+  if (state.wants_potential) state.potential = mechanism.potential(system, at);
 }
 
 /// A variant's states are dealt out to two lanes: with three variants on two threads, one would else wait for the
@@ -63,17 +63,17 @@ bool ArmTopology::solveState(const Variant& variant, Lane& lane, State& state, b
     return true;
   }
   const double begin = solver::secondsNow();
-  solver::Cholesky& cholesky = lane.newton.cholesky();
-  if (!cholesky.factorize(at.hessian) && cholesky.factorizeIndefinite(at.hessian) < 0) {
+  solver::TangentSystem system(mechanism.problem(), lane.newton.cholesky());
+  if (system.factorize(at) < 0) {
     lane.why = "singular tangent at u = " + std::to_string(state.travel) + " m";
     return false;
   }
   Eigen::VectorXd free_part, control_part;
   mechanism.problem().controlTangent(at, Eigen::VectorXd::Ones(1), free_part, control_part);
-  state.slope = -cholesky.solve(free_part);
+  state.slope = -lane.newton.cholesky().solve(free_part);
   state.stiffness = mechanism.multiplicity() * (control_part(0) + free_part.dot(state.slope));
-  state.by_density = mechanism.forceByDensity(cholesky, at, state.slope);
-  sense(variant, state, &cholesky, at);
+  state.by_density = mechanism.forceByDensity(system, at, state.slope);
+  sense(variant, state, &system, at);
   lane.seconds_derivatives += solver::secondsNow() - begin;
   return true;
 }

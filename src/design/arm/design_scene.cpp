@@ -54,7 +54,9 @@ scene::Scene designScene(const ArmDesignSettings& s, const SceneRung& rung, cons
   scene.cell_size = rung.cell_size;
   scene.particles = 4;
   scene.interpolation.threshold = s.void_threshold;
-  scene.steps = static_cast<int>(std::ceil(scene.to / rung.step - 1e-9));
+  scene.steps = scene::stepCount(scene.to, rung.step);
+  scene.from = rung.from;
+  scene.from_steps = scene::stepCount(scene.from, rung.step);
   scene.back = true;
   scene.enforcement = solver::Enforcement::ELIMINATION;  // exact, and the adjoint knows it
   // A design need not be symmetric in its plane, and its forces are those of one copy. Half the thickness at any cell

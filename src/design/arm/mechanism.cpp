@@ -15,9 +15,7 @@ Mechanism::Mechanism(const scene::Scene& scene, int body, int threads)
   if (compiled_->problem().constraints() != nullptr || compiled_->terms().coordinates().rotationCount() > 0) {
     throw common::Error("a scene with rigid bodies or cylinder pins cannot be designed");
   }
-  for (int k = static_cast<int>(scene.monitors.size()); k-- > 0;) {
-    if (scene.monitors[k].radius > 0) rotation_ = k;
-  }
+  rotation_ = scene::rotationMonitor(scene);
   compiled_->planar() ? build(*compiled_->planar(), scene) : build(*compiled_->volumetric(), scene);
 }
 
@@ -97,38 +95,40 @@ Eigen::VectorXd Mechanism::sumColumns(const Eigen::VectorXd& by_cell) const {
   return sum;
 }
 
-Eigen::VectorXd Mechanism::forceByDensity(const solver::Cholesky& cholesky, const solver::Evaluation& at,
+Eigen::VectorXd Mechanism::forceByDensity(const solver::TangentSystem& system, const solver::Evaluation& at,
                                           const Eigen::VectorXd& slope) const {
-  return multiplicity() * sumColumns(sensitivity(cholesky, at).reaction(slope));
+  const solver::Sensitivity adjoint = sensitivity(system, at);
+  return multiplicity() * sumColumns(adjoint.reaction(adjoint.tangent(slope)));
 }
 
-Mechanism::Sensed Mechanism::rotation(const solver::Cholesky* cholesky, const solver::Evaluation& at) const {
+Mechanism::Sensed Mechanism::rotation(const solver::TangentSystem* system, const solver::Evaluation& at) const {
   if (!turns()) throw common::Error("the mechanism has no monitor of a rotation");
   Sensed result;
   Eigen::VectorXd slope;
-  result.value = compiled_->monitor(rotation_, at.place.y, cholesky ? &slope : nullptr);
-  if (!cholesky) return result;
-  result.by_density = sumColumns(sensitivity(*cholesky, at).displacement(slope));
+  result.value = compiled_->monitor(rotation_, at.place.y, system ? &slope : nullptr);
+  if (!system) return result;
+  const solver::Sensitivity adjoint = sensitivity(*system, at);
+  result.by_density = sumColumns(adjoint.displacement(adjoint.adjoint(slope)));
   return result;
 }
 
-Mechanism::Sensed Mechanism::potential(const solver::Cholesky* cholesky, const solver::Evaluation& at) const {
+Mechanism::Sensed Mechanism::potential(const solver::TangentSystem* system, const solver::Evaluation& at) const {
   Sensed result;
   result.value = multiplicity() * at.energy;
-  if (!cholesky) return result;
-  result.by_density = multiplicity() * sumColumns(sensitivity(*cholesky, at).energy());
+  if (!system) return result;
+  result.by_density = multiplicity() * sumColumns(sensitivity(*system, at).potential());
   return result;
 }
 
-Mechanism::Strain Mechanism::strain(double power, const solver::Cholesky* cholesky,
+Mechanism::Strain Mechanism::strain(double power, const solver::TangentSystem* system,
                                     const solver::Evaluation& at) const {
-  return compiled_->planar() ? strainOf(*compiled_->planar(), power, cholesky, at)
-                             : strainOf(*compiled_->volumetric(), power, cholesky, at);
+  return compiled_->planar() ? strainOf(*compiled_->planar(), power, system, at)
+                             : strainOf(*compiled_->volumetric(), power, system, at);
 }
 
 template <int D>
 Mechanism::Strain Mechanism::strainOf(const mpm::Discretisation<D>& solid, double power,
-                                      const solver::Cholesky* cholesky, const solver::Evaluation& at) const {
+                                      const solver::TangentSystem* system, const solver::Evaluation& at) const {
   Strain result;
   Eigen::VectorXd s = Eigen::VectorXd::Zero(solid.cellCount());
   std::vector<elasticity::Matrix<D>> turn(solid.cellCount());  // d stretch / dF
@@ -141,12 +141,12 @@ Mechanism::Strain Mechanism::strainOf(const mpm::Discretisation<D>& solid, doubl
   }
   result.largest = s.maxCoeff();
   if (!(result.largest > 0)) {
-    if (cholesky) result.by_density = Eigen::VectorXd::Zero(columnCount());
+    if (system) result.by_density = Eigen::VectorXd::Zero(columnCount());
     return result;
   }
   const Eigen::ArrayXd scaled = s.array() / result.largest;  // powers of it do not overflow
   result.value = result.largest * std::pow(scaled.pow(power).sum(), 1 / power);
-  if (!cholesky) return result;
+  if (!system) return result;
   const Eigen::ArrayXd weight = (s.array() / result.value).pow(power - 1);  // dS/ds
   Eigen::VectorXd functional = Eigen::VectorXd::Zero(solid.dofCount()),
                   direct = Eigen::VectorXd::Zero(solid.cellCount());
@@ -162,7 +162,8 @@ Mechanism::Strain Mechanism::strainOf(const mpm::Discretisation<D>& solid, doubl
           weight(c) * std::sqrt(rho) * (turn[c] * slope.col(a));
     }
   }
-  result.by_density = sumColumns(direct + sensitivity(*cholesky, at).displacement(functional));
+  const solver::Sensitivity adjoint = sensitivity(*system, at);
+  result.by_density = sumColumns(direct + adjoint.displacement(adjoint.adjoint(functional)));
   return result;
 }
 

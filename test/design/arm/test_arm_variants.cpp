@@ -11,7 +11,6 @@
 #include "snapwing/design/arm/arm_topology.h"
 #include "snapwing/design/arm/design_scene.h"
 #include "snapwing/solver/newton.h"
-#include "snapwing/statics/arm_problem.h"
 #include "snapwing/statics/path.h"
 #include "support/own_folder.h"
 #include "support/paths.h"
@@ -78,22 +77,17 @@ TEST(ArmLimits, RotationAndMeanForceAreThoseOfTheCheck) {
   ASSERT_TRUE(at.valid) << at.message;
   // Rows: peak, valley, rotation from above and below (over half of the interval).
   EXPECT_NEAR(at.constraints(2) + at.constraints(3), -2, 1e-9);
-  statics::ArmProblemSettings physics;
-  physics.plane = s.plane;
-  physics.interpolation.threshold = s.void_threshold;
-  const vehicle::Vehicle& v = s.vehicle;
-  const elasticity::Material material{v.material.youngs_modulus.value, v.material.poisson_ratio.value,
-                                      v.material.mass_density.value};
-  const statics::ArmProblem arm(v.arm, material, problem.field(x), physics);
+  const mpm::DensityField field = problem.field(x);
+  const auto arm = scene::compileScene(designScene(s, {false, false, field.cell_size, 0.002}, &field), 1);
   statics::PathSettings tight;
   tight.newton.relative_tolerance = 1e-12;
   std::vector<double> targets;
   for (int k = 0; k <= 10; ++k) targets.push_back(0.002 * k);
   const statics::PathResult path =
-      statics::PathFollower(arm.problem(), tight).follow(Eigen::VectorXd::Zero(arm.problem().freeCount()), targets);
+      statics::PathFollower(arm->problem(), tight).follow(Eigen::VectorXd::Zero(arm->problem().freeCount()), targets);
   ASSERT_EQ(path.points.size(), targets.size()) << path.message;
   const auto &peak = path.points[5], &from = path.points[6], &to = path.points[10];
-  EXPECT_NEAR(0.5 * at.constraints(2) + 1, arm.rotation(to.solution, 0.020), 1e-8);
+  EXPECT_NEAR(0.5 * at.constraints(2) + 1, arm->monitors(to.solution, 0.020)[0], 1e-8);
   const double mean = (to.energy - from.energy) / 0.008;
   EXPECT_NEAR(at.objective * s.peak_bound, mean - peak.force, 1e-7);
   EXPECT_GT(mean, 0);

@@ -9,7 +9,7 @@
 ///         strain_v(u) <= limit at the strain travels,   volume <= V(k),   mass <= limit
 /// for every projection threshold v (eroded, intermediate, dilated); R is the force of one arm at driven travel u, u3
 /// the travel under the force -f, E the potential. The barrier on the way back is the largest fall of E: never less
-/// than the one over the range. Derivatives by the adjoint method, statics/sensitivity.h; R(u3) = -f gives du3/drho =
+/// than the one over the range. Derivatives by the adjoint method, solver/sensitivity.h; R(u3) = -f gives du3/drho =
 /// -(dR/drho) / (dR/du).
 
 #include <map>
@@ -84,7 +84,7 @@ class ArmTopology : public OptimizationProblem {
   bool solveStates(Variant& variant, Lane& lane, bool with_derivatives) const;
   bool solveState(const Variant& variant, Lane& lane, State& state, bool with_derivatives) const;
   bool solvePulled(Variant& variant, Lane& lane) const;
-  void sense(const Variant& variant, State& state, const solver::Cholesky* cholesky,
+  void sense(const Variant& variant, State& state, const solver::TangentSystem* system,
              const solver::Evaluation& at) const;
   Mechanism::Sensed valleyForce(const Variant& variant, bool with_derivatives) const;
   bool tracePulled(Variant& variant, std::string& why) const;

@@ -13,6 +13,7 @@ struct SceneRung {
   bool quadratic = false;   ///< B-spline kernel
   double cell_size = 0.001;
   double step = 0.001;  ///< [m] of the path, 0 -> largest travel -> 0
+  double from = 0;      ///< [m] <= 0: and 0 -> from
 };
 
 /// A vehicle's arm: one body of the field's cells, leg_thickness for x < leg_width and bar_thickness beyond; line pin

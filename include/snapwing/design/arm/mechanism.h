@@ -36,9 +36,9 @@ class Mechanism {
   double force(const solver::Evaluation& at) const { return compiled_->multiplicity() * at.control_force(0); }
   /// Factor from the problem's forces to those of the whole.
   double multiplicity() const { return compiled_->multiplicity(); }
-  /// dR/drho per column at a converged point, R = force(at) [N]. @param cholesky  of the exact Hessian there
+  /// dR/drho per column at a converged point, R = force(at) [N]. @param system  factorized there
   /// @param slope  dz/dp of the path there
-  Eigen::VectorXd forceByDensity(const solver::Cholesky& cholesky, const solver::Evaluation& at,
+  Eigen::VectorXd forceByDensity(const solver::TangentSystem& system, const solver::Evaluation& at,
                                  const Eigen::VectorXd& slope) const;
 
   /// A value with its derivative by the densities, the equilibrium's own change included.
@@ -48,28 +48,28 @@ class Mechanism {
   };
   /// True if the scene has a monitor of a rotation; the first such one is `rotation`.
   bool turns() const { return rotation_ >= 0; }
-  /// Rotation at a converged point [rad], as the check measures it. @param cholesky  null: value alone
-  Sensed rotation(const solver::Cholesky* cholesky, const solver::Evaluation& at) const;
+  /// Rotation at a converged point [rad], as the check measures it. @param system  null: value alone
+  Sensed rotation(const solver::TangentSystem* system, const solver::Evaluation& at) const;
   /// Potential of the whole at a converged point [J], the integral of the force over the travel. Stationary in the free
   /// coordinates, so that its derivative needs no adjoint.
-  Sensed potential(const solver::Cholesky* cholesky, const solver::Evaluation& at) const;
+  Sensed potential(const solver::TangentSystem* system, const solver::Evaluation& at) const;
 
   /// Aggregated strain of the designed body, S = (sum_c s_c^P)^(1/P), s_c = sqrt(rho_c) max(0, stretch_c - 1), where
   /// stretch is the largest principal one at a cell's centre. S is never below the largest s_c.
   struct Strain : Sensed {
     double largest = 0;  ///< max s_c [1]
   };
-  /// @param power  P >= 1; @param cholesky  null: value alone
-  Strain strain(double power, const solver::Cholesky* cholesky, const solver::Evaluation& at) const;
+  /// @param power  P >= 1; @param system  null: value alone
+  Strain strain(double power, const solver::TangentSystem* system, const solver::Evaluation& at) const;
 
  private:
   template <int D>
   void build(const mpm::Discretisation<D>& solid, const scene::Scene& scene);
   template <int D>
-  Strain strainOf(const mpm::Discretisation<D>& solid, double power, const solver::Cholesky* cholesky,
+  Strain strainOf(const mpm::Discretisation<D>& solid, double power, const solver::TangentSystem* system,
                   const solver::Evaluation& at) const;
-  solver::Sensitivity sensitivity(const solver::Cholesky& cholesky, const solver::Evaluation& at) const {
-    return {compiled_->terms(), cholesky, at, compiled_->cellCount()};
+  solver::Sensitivity sensitivity(const solver::TangentSystem& system, const solver::Evaluation& at) const {
+    return {compiled_->terms(), system, at, compiled_->cellCount()};
   }
   Eigen::VectorXd sumColumns(const Eigen::VectorXd& by_cell) const;
 
