@@ -19,10 +19,11 @@ STANDS_ON = {
     "rom": ["vehicle"],
     "planning": ["rom"],
     "validation": ["motion", "statics", "planning"],
+    "pipeline": ["design", "validation"],
     "link": ["common"],
     "standin": ["vehicle", "link"],
-    "ros": ["design", "planning", "link", "standin"],
-    "tools": ["design", "planning", "validation", "link"],
+    "ros": ["pipeline", "link", "standin"],
+    "tools": ["pipeline", "link"],
 }
 # Folders of the floor `design`, each with those that it may include.
 FOLDERS = {"design/optim": [], "design/arm": ["design/optim"], "design/wing": ["design/optim", "design/arm"]}

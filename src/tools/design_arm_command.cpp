@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "design_into_command.h"
 #include "numbers.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/output_file.h"
@@ -19,10 +20,11 @@ namespace {
 using namespace design;  // NOLINT: a command is all about one floor
 
 struct Options {
-  std::string settings, folder = "arm_design", density;
+  std::string settings, folder = "arm_design", density, vehicle, into, wing;
   bool check_gradients = false, resume = false, quiet = false;
   double gradient_tolerance = 1e-4;
   int threads = 0;
+  ValidationOptions validation;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -135,8 +137,22 @@ void checkFiles(const Options& options, const ArmDesignSettings& settings) {
   for (const std::string& name : armOutcomeFiles()) files.writes(options.folder + "/" + name, "--output");
 }
 
+int runInto(const Options& options) {
+  pipeline::DesignPipelineSettings settings;
+  settings.vehicle_file = options.vehicle;
+  settings.arm_settings = options.settings.empty() ? pipeline::armSettingsBeside(options.vehicle) : options.settings;
+  settings.density = options.density;
+  settings.wing_settings = options.wing;
+  settings.folder = options.into;
+  settings.threads = options.threads;
+  settings.validation = options.validation.settings();
+  return designInto(settings, options.validation, options.quiet);
+}
+
 int runCommand(const Options& options) {
-  ArmDesignSettings settings = loadArmDesignSettings(options.settings);
+  if (!options.into.empty()) return runInto(options);
+  if (options.settings.empty()) throw common::Error("settings: not given; allowed: a settings file");
+  ArmDesignSettings settings = loadArmDesignSettings(options.settings, options.vehicle);
   if (options.check_gradients) return checkGradients(settings, options.gradient_tolerance);
   interrupted = 0;
   const auto previous = std::signal(SIGINT, onInterrupt);
@@ -158,7 +174,11 @@ void addDesignArmCommand(CLI::App& app, int& exit_code) {
   CLI::App* command =
       designCommand(app)->add_subcommand("arm", "Topology of the bistable arm, its check and its parts");
   auto options = std::make_shared<Options>();
-  command->add_option("settings", options->settings, "Settings, e.g. config/designs/arm_default.yaml")->required();
+  command->add_option("settings", options->settings,
+                      "Settings, e.g. config/designs/arm_default.yaml; with --into default: arm_design.yaml beside the "
+                      "vehicle file");
+  CLI::Option* vehicle =
+      command->add_option("--vehicle", options->vehicle, "Vehicle file in place of the one that the settings name");
   command->add_option("-o,--output", options->folder, "Folder for density, history, report, parts")
       ->capture_default_str();
   command->add_option("--density", options->density, "Do not optimise: check this density [CSV] and write its parts");
@@ -170,6 +190,19 @@ void addDesignArmCommand(CLI::App& app, int& exit_code) {
   command->add_option("--threads", options->threads, "At most; instead of the settings' own. Changes no bit")
       ->check(wholeNumber(1, 256));
   command->add_flag("-q,--quiet", options->quiet, "No progress");
+  CLI::App* way =
+      command->add_option_group("to a vehicle that flies", "Tables, wing, plans, validation of the new arm");
+  CLI::Option* into = way->add_option("--into", options->into,
+                                      "Folder for all of it and a vehicle file that names it, instead of --output; the "
+                                      "same command goes on with a run that was ended");
+  into->needs(vehicle);
+  for (const char* other : {"--output", "--check-gradients", "--resume"}) into->excludes(command->get_option(other));
+  way->add_option("--wing", options->wing, "Settings of a new wing; default: the vehicle's own gets a new table")
+      ->needs(into);
+  options->validation.addGateTo(*way);
+  command->footer(
+      "Exit code: 0 good, 1 not (named) or stopped, 2 bad input; with --into those of `snapwing validate`: 0 passed, 1 "
+      "failed, 3 undecided.");
   command->callback([options, &exit_code] { exit_code = runCommand(*options); });
 }
 

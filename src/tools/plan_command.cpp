@@ -7,11 +7,11 @@
 
 #include "commands.h"
 #include "numbers.h"
-#include "prediction_json.h"
-#include "snapwing/common/json_text.h"
+#include "prediction_text.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/planning/accident_margins.h"
 #include "snapwing/planning/pulse_planner.h"
+#include "snapwing/validation/plan_file.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
@@ -35,49 +35,6 @@ std::string mapCsv(const planning::OutcomeMap& map) {
     text << cell.throttle << ',' << cell.duration << ',' << cell.share << ',' << cell.worst_margin << '\n';
   }
   return text.str();
-}
-
-nlohmann::ordered_json planJson(const planning::TransitionPlan& plan) {
-  nlohmann::ordered_json influences = nlohmann::ordered_json::array();
-  for (const auto& effect : plan.influences) {
-    influences.push_back(
-        {{"name", effect.name}, {"low_margin", effect.low_margin}, {"high_margin", effect.high_margin}});
-  }
-  nlohmann::ordered_json worst_coordinates;
-  const std::vector<std::string> names = planning::plannerCoordinateNames();
-  for (std::size_t i = 0; i < plan.worst_coordinates.size(); ++i)
-    worst_coordinates[names[i]] = plan.worst_coordinates[i];
-  return {{"start_mode", vehicle::modeName(plan.start_mode)},
-          {"target_mode", vehicle::modeName(plan.target_mode)},
-          {"accepted", plan.accepted},
-          {"reason", plan.reason},
-          {"pulse", pulseJson(plan.pulse)},
-          {"thrust_fraction", plan.thrust_fraction},
-          {"worst_margin", plan.worst_margin},
-          {"share_switched", plan.share_switched},
-          {"realisations", plan.realisations},
-          {"vertex_margin", plan.vertex_margin},
-          {"evaluations", plan.evaluations},
-          {"predictions", plan.predictions},
-          {"compute_seconds", plan.compute_seconds},
-          {"nominal", predictionJson(plan.nominal)},
-          {"worst", predictionJson(plan.worst)},
-          {"worst_coordinates", worst_coordinates},
-          {"influences", influences}};
-}
-
-nlohmann::ordered_json accidentsJson(const std::vector<planning::AccidentMargin>& margins) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const auto& m : margins) {
-    list.push_back({{"name", m.name},
-                    {"explanation", m.explanation},
-                    {"mode", vehicle::modeName(m.mode)},
-                    {"unit", m.unit},
-                    {"limit", m.limit},
-                    {"occurs", m.occurs},
-                    {"holds", m.holds}});
-  }
-  return list;
 }
 
 void printPlan(const planning::TransitionPlan& plan) {
@@ -139,10 +96,8 @@ int plan(const PlanOptions& options) {
   if (options.accidents) accidents = planning::accidentMargins(vehicle, table, wings ? wing : std::nullopt);
   if (!options.map_file.empty()) writeMap(options, planner, start, trial);
   if (!options.json_file.empty()) {
-    nlohmann::ordered_json json = {
-        {"inputs", inputsJson(vehicle, table_file)}, {"trial", trialJson(trial)}, {"plan", planJson(result)}};
-    if (options.accidents) json["accidents"] = accidentsJson(accidents);
-    common::writeFileAtomically(options.json_file, common::jsonText(json));
+    validation::savePlan(options.json_file, vehicle, table_file, trial, result,
+                         options.accidents ? &accidents : nullptr);
   }
   printPlan(result);
   if (options.accidents) printAccidents(accidents, wings);

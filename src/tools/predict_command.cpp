@@ -7,11 +7,12 @@
 
 #include "commands.h"
 #include "numbers.h"
-#include "prediction_json.h"
+#include "prediction_text.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/rom/lumped_model.h"
+#include "snapwing/validation/prediction_json.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
@@ -78,10 +79,10 @@ int predict(const PredictOptions& options) {
 
   if (!options.csv_file.empty()) common::writeFileAtomically(options.csv_file, csv.text());
   if (!options.json_file.empty()) {
-    nlohmann::ordered_json json = {{"inputs", inputsJson(vehicle, table_file)},
-                                   {"trial", trialJson(trial)},
-                                   {"pulse", pulseJson(options.pulse)},
-                                   {"prediction", predictionJson(prediction)}};
+    nlohmann::ordered_json json = {{"inputs", validation::inputsJson(vehicle, table_file)},
+                                   {"trial", validation::trialJson(trial)},
+                                   {"pulse", validation::pulseJson(options.pulse)},
+                                   {"prediction", validation::predictionJson(prediction)}};
     common::writeFileAtomically(options.json_file, common::jsonText(json));
   }
   std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),

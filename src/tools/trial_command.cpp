@@ -10,7 +10,7 @@
 #include "commands.h"
 #include "curve_options.h"
 #include "numbers.h"
-#include "prediction_json.h"
+#include "prediction_text.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/output_file.h"
@@ -19,6 +19,7 @@
 #include "snapwing/motion/trial_record.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/scene/rung.h"
+#include "snapwing/validation/prediction_json.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_frames.h"
 
@@ -98,9 +99,9 @@ ordered_json headOf(const Work& work) {
   return {{"trial", work.file.name},
           {"trial_file", work.file.file},
           {"trial_sha256", work.file.sha256},
-          {"inputs", inputsJson(work.vehicle, work.vehicle.arm.table_file)},
+          {"inputs", validation::inputsJson(work.vehicle, work.vehicle.arm.table_file)},
           {"rung", motion::rungName(work.file.rung)},
-          {"surroundings", trialJson(work.file.trial)},
+          {"surroundings", validation::trialJson(work.file.trial)},
           {"pulse", levelJson(work, work.file.pulse)},
           {"then", then}};
 }
@@ -124,7 +125,7 @@ int runLumped(const Work& work) {
       model.predict(work.file.start, work.fraction, work.file.pulse.duration, work.file.trial, observer);
   common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(samples));
   ordered_json summary = headOf(work);
-  summary["outcome"] = predictionJson(prediction);
+  summary["outcome"] = validation::predictionJson(prediction);
   writeSummary(work, summary);
   std::printf("%s: %s\n", work.file.name.c_str(), predictionLine(prediction).c_str());
   return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;

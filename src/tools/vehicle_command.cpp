@@ -5,17 +5,19 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include "commands.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/validation/plan_file.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "snapwing/vehicle/vehicle.h"
+#include "snapwing/vehicle/vehicle_text.h"
 
 namespace snapwing::tools {
 
@@ -64,39 +66,6 @@ std::optional<fs::path> shippedDesign() {
   return std::nullopt;
 }
 
-std::string keyOf(const std::string& line) { return line.substr(0, line.find(':')); }
-
-bool begins(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
-
-/// Leaves out the top-level keys `without`, each with the lines that belong to it.
-std::string leaveOut(const std::string& text, const std::vector<std::string>& without) {
-  std::istringstream lines(text);
-  std::string kept, line;
-  bool inside = false;
-  while (std::getline(lines, line)) {
-    const bool top = !line.empty() && line[0] != ' ' && line[0] != '#';
-    if (top) {
-      inside = false;
-      for (const std::string& key : without) inside = inside || keyOf(line) == key;
-    }
-    if (!inside) kept += line + "\n";
-  }
-  return kept;
-}
-
-/// A new value for the `key: value` that follows the line `section:`; the comment behind it is about the old value.
-void setText(std::string& text, const std::string& section, const std::string& key, const std::string& value) {
-  std::istringstream lines(text);
-  std::string changed, line, top;
-  while (std::getline(lines, line)) {
-    if (!line.empty() && line[0] != ' ' && line[0] != '#') top = keyOf(line);
-    const std::size_t at = line.find_first_not_of(' ');
-    const bool here = top == section && at != std::string::npos && begins(line.substr(at), key + ":");
-    changed += (here ? line.substr(0, at) + key + ": " + value : line) + "\n";
-  }
-  text = changed;
-}
-
 /// One file that a vehicle names: copied into the folder of the new one if it is there.
 struct Part {
   const char *section, *key;
@@ -112,7 +81,9 @@ int makeNew(const NewOptions& options) {
   const fs::path source = sourceFile(options.from), target = fs::absolute(options.file), folder = target.parent_path();
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(source.string());
   if (fs::exists(target)) throw common::FileError(options.file, "is there already; allowed: a new file");
-  std::string text = leaveOut(common::readFile(source.string()), options.without);
+  std::vector<std::string> without = options.without;
+  without.emplace_back("results");  // of the other vehicle
+  std::string text = vehicle::withoutKeys(common::readFile(source.string()), without);
   std::vector<Part> parts = {{"arm", "density_file", vehicle.arm.density_file, "arm/density.csv"},
                              {"arm", "table_file", vehicle.arm.table_file, "arm/table.h5"}};
   const bool wing =
@@ -128,9 +99,9 @@ int makeNew(const NewOptions& options) {
     }
   }
   const std::string name = target.stem() == "vehicle" ? folder.filename().string() : target.stem().string();
-  setText(text, "name", "name", name);
+  text = vehicle::withValue(text, "name", "name", name);
   for (const Part& part : parts) {
-    setText(text, part.section, part.key, part.name);
+    text = vehicle::withValue(text, part.section, part.key, part.name);
     if (fs::is_regular_file(part.source)) copyFile(part.source, folder / part.name);
   }
   copyFile(source, target);  // makes the folder
@@ -140,14 +111,45 @@ int makeNew(const NewOptions& options) {
   const fs::path design = folder / "arm_design.yaml";
   if (const auto shipped = shippedDesign(); shipped && !fs::exists(design)) {
     std::string settings = common::readFile(shipped->string());
-    setText(settings, "name", "name", name + "_arm");
-    setText(settings, "vehicle", "vehicle", target.filename().string());
+    settings = vehicle::withValue(settings, "name", "name", name + "_arm");
+    settings = vehicle::withValue(settings, "vehicle", "vehicle", target.filename().string());
     common::writeFileAtomically(design.string(), settings);
     std::printf("%s: settings of `snapwing design arm` for it\n",
                 design.lexically_relative(fs::current_path()).c_str());
   }
   vehicle::loadVehicle(target.string());
   return 0;
+}
+
+/// One plan that the file names.
+void printPlan(const vehicle::Vehicle& vehicle, const char* name, const std::string& file) {
+  if (file.empty()) return;
+  try {
+    const validation::PlanFile plan = validation::loadPlan(file);
+    const bool own = plan.vehicle_sha256 == vehicle.sha256;
+    std::printf("plan %s: throttle %.3f for %.3f s%s\n", name, plan.pulse.throttle, plan.pulse.duration,
+                own ? "" : ", but of another version of this file: plan anew");
+  } catch (const common::Error& e) {
+    std::printf("plan %s: none: %s\n", name, e.what());
+  }
+}
+
+/// What is known of the results that the file names.
+void printResults(const vehicle::Vehicle& vehicle) {
+  printPlan(vehicle, "F -> Q", vehicle.results.plan_f_to_q);
+  printPlan(vehicle, "Q -> F", vehicle.results.plan_q_to_f);
+  const std::string& file = vehicle.results.validation;
+  if (file.empty()) return;
+  std::string words = "not done";
+  if (fs::is_regular_file(file)) {
+    const nlohmann::json json = nlohmann::json::parse(common::readFile(file), nullptr, false);
+    const bool read = json.is_object();
+    const auto holds = [&](const char* key) { return read && json.contains(key) && json[key] == true; };
+    words = holds("passed") ? "passed" : holds("undecided") ? "NOT decided" : "NOT passed";
+    const bool own = read && json.contains("vehicle_sha256") && json["vehicle_sha256"] == vehicle.sha256;
+    if (!own) words = "of another version of this file: validate anew";
+  }
+  std::printf("validation: %s\n", words.c_str());
 }
 
 int check(const CheckOptions& options) {
@@ -166,6 +168,7 @@ int check(const CheckOptions& options) {
   std::printf("all arms: peak %.3f N at %.1f mm, valley %.3f N at %.1f mm", f.peak_force, 1e3 * f.peak_travel,
               f.valley_force, 1e3 * f.valley_travel);
   std::printf(f.bistable ? ", second equilibrium at %.1f mm\n" : ", not bistable\n", 1e3 * f.second_travel);
+  printResults(vehicle);
   return f.bistable ? 0 : 1;
 }
 

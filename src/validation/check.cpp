@@ -80,4 +80,8 @@ bool undecided(const std::vector<Check>& checks) {
   return !has(checks, Verdict::FAIL) && has(checks, Verdict::UNDECIDED);
 }
 
+Verdict verdictOf(const std::vector<Check>& checks) {
+  return passed(checks) ? Verdict::PASS : undecided(checks) ? Verdict::UNDECIDED : Verdict::FAIL;
+}
+
 }  // namespace snapwing::validation

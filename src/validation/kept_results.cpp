@@ -1,6 +1,7 @@
 #include "snapwing/validation/kept_results.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -46,27 +47,48 @@ RungOutcome outcomeOf(const ordered_json& j) {
   return o;
 }
 
+/// What the file holds; none if it is not there or damaged: computed anew then, and replaced.
+std::optional<ordered_json> wholeOf(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return std::nullopt;
+  ordered_json whole = ordered_json::parse(in, nullptr, false);
+  const bool good = whole.is_object() && whole.contains("key") && whole["key"].is_string() && whole.contains("outcome");
+  return good ? std::optional(whole) : std::nullopt;
+}
+
 }  // namespace
 
 KeptResults::KeptResults(std::string folder) : folder_(std::move(folder)) { common::makeFolder(folder_); }
 
 std::string KeptResults::path(const std::string& name) const { return folder_ + "/" + name + ".json"; }
 
-bool KeptResults::load(const std::string& name, const std::string& key, RungOutcome* outcome) const {
-  std::ifstream in(path(name), std::ios::binary);
-  if (!in) return false;
-  try {
-    const ordered_json whole = ordered_json::parse(in);
-    if (whole.at("key").get<std::string>() != key) return false;
-    *outcome = outcomeOf(whole.at("outcome"));
-    return true;
-  } catch (const std::exception&) {
-    return false;  // damaged: computed anew, and replaced
-  }
+std::optional<std::string> KeptResults::load(const std::string& name, const std::string& key) const {
+  const std::optional<ordered_json> whole = wholeOf(path(name));
+  if (!whole || (*whole)["key"].get<std::string>() != key) return std::nullopt;
+  return (*whole)["outcome"].dump();
 }
 
-void KeptResults::save(const std::string& name, const std::string& key, const RungOutcome& outcome) const {
-  common::writeFileAtomically(path(name), common::jsonText(ordered_json{{"key", key}, {"outcome", jsonOf(outcome)}}));
+std::optional<std::string> KeptResults::loadAny(const std::string& name) const {
+  const std::optional<ordered_json> whole = wholeOf(path(name));
+  return whole ? std::optional((*whole)["outcome"].dump()) : std::nullopt;
+}
+
+void KeptResults::save(const std::string& name, const std::string& key, const std::string& json) const {
+  common::writeFileAtomically(path(name),
+                              common::jsonText(ordered_json{{"key", key}, {"outcome", ordered_json::parse(json)}}));
+}
+
+void KeptResults::forget(const std::string& name) const { std::filesystem::remove(path(name)); }
+
+std::string outcomeText(const RungOutcome& outcome) { return common::jsonText(jsonOf(outcome)); }
+
+bool readOutcome(const std::string& text, RungOutcome* outcome) {
+  try {
+    *outcome = outcomeOf(ordered_json::parse(text));
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 }  // namespace snapwing::validation

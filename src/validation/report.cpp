@@ -198,6 +198,7 @@ std::string reportJson(const Validation& found, const ReportHead& head) {
   }
   return common::jsonText(ordered_json{{"vehicle", head.vehicle},
                                        {"vehicle_file", head.vehicle_file},
+                                       {"vehicle_sha256", head.vehicle_sha256},
                                        {"table_file", head.table_file},
                                        {"body_file", head.body_file},
                                        {"snapwing_version", head.version},

@@ -183,13 +183,17 @@ class TrialRuns {
 
  private:
   bool cancelled() const { return hooks_.cancelled && hooks_.cancelled(); }
+  bool known(ValidationTrial& t, const std::string& key) const {
+    const std::optional<std::string> kept = kept_ ? kept_->load(t.name, key) : std::nullopt;
+    return kept && readOutcome(*kept, &t.outcome);
+  }
   void one(ValidationTrial& t) {
     if (cancelled()) return;
     const std::string key = keyOf(t, inputs_);
-    if (!kept_ || !kept_->load(t.name, key, &t.outcome)) {
+    if (!known(t, key)) {
       t.outcome = t.role == TrialRole::THRESHOLD ? runner_.shortest(t.trial) : runner_.run(t.trial);
       if (cancelled()) return;
-      if (kept_) kept_->save(t.name, key, t.outcome);
+      if (kept_) kept_->save(t.name, key, outcomeText(t.outcome));
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     if (hooks_.progress) hooks_.progress(++done_, all_, t.name);

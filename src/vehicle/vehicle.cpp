@@ -194,6 +194,16 @@ VehicleWing readWing(common::SettingsReader reader) {
   return w;
 }
 
+VehicleResults readResults(common::SettingsReader reader) {
+  VehicleResults r;
+  for (const auto& [key, path] : {std::pair("plan_f_to_q", &r.plan_f_to_q), std::pair("plan_q_to_f", &r.plan_q_to_f),
+                                  std::pair("validation", &r.validation)}) {
+    if (reader.has(key)) *path = reader.resolvePath(reader.text(key));
+  }
+  reader.finish();
+  return r;
+}
+
 /// What each key alone cannot tell: parts that do not meet, or do not fit.
 void refuseImpossible(const Vehicle& v, const common::SettingsReader& reader) {
   const Geometry& g = v.geometry;
@@ -249,6 +259,7 @@ Vehicle loadVehicle(const std::string& path) {
   v.limits = readLimits(reader.map("limits"));
   if (reader.has("wing")) v.wing = readWing(reader.map("wing"));
   if (reader.has("must_survive")) v.must_survive = reader.texts("must_survive");
+  if (reader.has("results")) v.results = readResults(reader.map("results"));
   reader.finish();
   refuseImpossible(v, reader);
   return v;

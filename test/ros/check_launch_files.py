@@ -5,7 +5,8 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-REQUIRED = {"vehicle_file": "config/vehicles/arris_x220.yaml", "fc": "tcp:127.0.0.1:1"}
+REQUIRED = {"vehicle_file": "config/vehicles/arris_x220.yaml", "fc": "tcp:127.0.0.1:1",
+            "vehicle": "config/vehicles/arris_x220.yaml", "into": "made"}
 
 
 def problems(path):

@@ -28,6 +28,51 @@ class Validate(Case):
         self.assertIn("NOT passed", (self.folder / "out" / "report.html").read_text())
         self.assertFalse(json.loads((self.folder / "out" / "validation.json").read_text())["passed"])
 
+    def body(self, name, change):
+        """The shipped body with another density: change(i, j, rho, at) of its cells, at(i, j) 0 outside."""
+        cells = {}
+        for line in (ROOT / "data/arms/arris_x220_body.csv").read_text().splitlines():
+            if line[:1].isdigit():
+                i, j, rho = line.split(",")
+                cells[int(i), int(j)] = float(rho)
+        rows = [f"{i},{j},{change(i, j, rho, lambda *at: cells.get(at, 0)):.4f}" for (i, j), rho in cells.items()]
+        return self.file(name, "i,j,rho\n" + "\n".join(rows) + "\n")
+
+    def failures(self, *words, more=("--one-cell-size",)):
+        """Names of the checks that fail."""
+        said = self.snapwing("validate", *words, "-o", "out", *QUICK, *more, code=1).stdout.decode()
+        return [line[6:] for line in said.splitlines() if line.startswith("FAIL  ")]
+
+    def test_an_arm_that_is_printed_too_thin_fails_by_name(self):
+        neighbours = ((1, 0), (-1, 0), (0, 1), (0, -1))
+
+        def thinner(i, j, rho, at):  # .2 mm less at each edge of cells of .5 mm: walls .4 mm too thin
+            return max(0.0, rho - 0.4 * sum(at(i + di, j + dj) < 0.5 for di, dj in neighbours))
+        self.snapwing("plan", self.vehicle(), "--from", "F", "--json", "plan.json")
+        failures = self.failures("vehicle.yaml", "--plan", "plan.json", "--body", self.body("thin.csv", thinner), more=())
+        self.assertTrue(any(name.startswith("static curve: peak: ") for name in failures), failures)
+
+    def test_a_plan_that_is_too_short_fails_by_name(self):
+        path = self.vehicle()
+        self.snapwing("plan", path, "--from", "F", "--json", "plan.json")
+        plan = json.loads((self.folder / "plan.json").read_text())
+        plan["plan"]["pulse"]["duration"] = 0.03
+        self.file("plan.json", json.dumps(plan))
+        failures = self.failures(path, "--plan", "plan.json")
+        for rung in ("lumped", "planar"):
+            self.assertTrue(any(name.startswith(f"F -> Q, {rung}, nominal: end mode") for name in failures), failures)
+
+    def test_the_plans_that_the_vehicle_file_names_are_taken_and_have_to_be_its_own(self):
+        path = self.vehicle()
+        path.write_text(path.read_text() + "\nresults: {plan_f_to_q: plan.json}\n")
+        self.assertIn("results.plan_f_to_q", self.refusal("validate", path, "-o", "out", *QUICK))
+        self.snapwing("plan", path, "--from", "F", "--json", "plan.json")
+        path.write_text(path.read_text() + "# a change\n")
+        failures = self.failures(path)
+        self.assertTrue(any(name.startswith("F -> Q: plan of this vehicle and table: it was planned for another vehicle "
+                                            "file") for name in failures), failures)
+        self.assertFalse(any("Q -> F" in name for name in failures), "another plan was made")
+
     def test_an_unknown_accident_is_refused_with_those_that_are_known(self):
         path = self.vehicle(("must_survive: [sudden thrust in F", "must_survive: [sudden rain"))
         words = self.refusal("validate", path, "-o", "out", *QUICK)

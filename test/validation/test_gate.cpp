@@ -1,6 +1,7 @@
 // A gate that can say no: each kind of fault is refused by name.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -334,6 +335,43 @@ TEST(Curve, TheShippedBodyPassesAndOneThatIsTooThinFailsByItsPeak) {
   const ArmCurve thin = traceArm(shipped.vehicle, thinBody(shipped.vehicle), 1e-3);
   EXPECT_EQ(verdictOf(checkCurve({thin}, shipped.table, shipped.vehicle), "static curve: peak"), Verdict::FAIL);
   EXPECT_LT(thin.peak_force, 0.9 * good.peak_force);
+}
+
+/// Two bars in series, a thin one and a stiff one, meeting in a kink: the kink snaps within the arm.
+std::string kinkedBody() {
+  struct Bar {
+    double x0, y0, x1, y1, thickness;  // [mm]
+  };
+  constexpr Bar BARS[] = {{0, 22.9, 41.2, 12.4, 3.4}, {41.2, 12.4, 48.6, 15.5, 6.0}, {48.6, 15.5, 78, 2, 5.2}};
+  const std::string path = test::ownFolder() + "kinked.csv";
+  std::ofstream out(path);
+  out << "i,j,rho\n";
+  for (int j = 0; j < 80; ++j) {
+    for (int i = 0; i < (j < 40 ? 160 : 40); ++i) {
+      const double x = 0.5 * i + 0.25, y = 0.5 * j + 0.25;
+      double inside = 4 - std::hypot(x - 78, y - 2);  // the axle's eye
+      for (const Bar& b : BARS) {
+        const double dx = b.x1 - b.x0, dy = b.y1 - b.y0;
+        const double along = std::clamp(((x - b.x0) * dx + (y - b.y0) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+        inside = std::max(inside, b.thickness / 2 - std::hypot(x - b.x0 - along * dx, y - b.y0 - along * dy));
+      }
+      out << i << ',' << j << ',' << std::clamp(0.5 + inside / 0.5, 0.0, 1.0) << '\n';
+    }
+  }
+  return path;
+}
+
+TEST(Curve, ARealBodyWithAnInternalSnapFailsByName) {
+  const Shipped shipped;
+  const std::string body = kinkedBody();
+  const std::vector<ArmCurve> curves = {traceArm(shipped.vehicle, body, 2e-3), traceArm(shipped.vehicle, body, 1e-3)};
+  for (const ArmCurve& curve : curves) {
+    EXPECT_EQ(curve.failure, "");
+    ASSERT_EQ(curve.turns.size(), 2U) << "it turns back, and on again";
+    EXPECT_GT(curve.turns[0], curve.turns[1] + 0.005);
+    EXPECT_GT(curve.unstable, 5);
+  }
+  EXPECT_EQ(verdictOf(checkCurve(curves, shipped.table, shipped.vehicle), "no internal snap"), Verdict::FAIL);
 }
 
 TEST(Validate, APlanThatIsTooShortFailsByName) {

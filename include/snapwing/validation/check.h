@@ -44,5 +44,7 @@ Check told(const std::string& name, double value, const std::string& unit, const
 bool passed(const std::vector<Check>& checks);
 /// True if no check failed, but one is undecided.
 bool undecided(const std::vector<Check>& checks);
+/// PASS, UNDECIDED or FAIL by the two above.
+Verdict verdictOf(const std::vector<Check>& checks);
 
 }  // namespace snapwing::validation

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/planning/accident_margins.h"
+#include "snapwing/planning/pulse_planner.h"
 #include "snapwing/vehicle/mode.h"
 #include "snapwing/vehicle/pulse.h"
 #include "snapwing/vehicle/trial.h"
@@ -27,5 +29,11 @@ struct PlanFile {
 
 /// @throws common::FileError, common::SettingError naming key, value and what is allowed; a plan that was refused
 PlanFile loadPlan(const std::string& path);
+
+/// Writes a plan, accepted or refused. @param table_file  that it was made on
+/// @param accidents  what may flip the mode by accident; null: nothing of it is written. @throws common::FileError
+void savePlan(const std::string& path, const vehicle::Vehicle& vehicle, const std::string& table_file,
+              const vehicle::Trial& trial, const planning::TransitionPlan& plan,
+              const std::vector<planning::AccidentMargin>* accidents = nullptr);
 
 }  // namespace snapwing::validation

@@ -9,7 +9,7 @@ namespace snapwing::validation {
 
 /// What the page is about, as the caller knows it.
 struct ReportHead {
-  std::string vehicle, vehicle_file, table_file, body_file, command, version;
+  std::string vehicle, vehicle_file, vehicle_sha256, table_file, body_file, command, version;
 };
 
 /// Verdict, checks, pictures of curve and travel; no script, nothing fetched.

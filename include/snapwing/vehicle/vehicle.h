@@ -114,6 +114,12 @@ struct VehicleWing {
   common::Quantity friction_scale{1.0, 0};  ///< [1] real friction of the pins / that of the table
 };
 
+/// What was made from the file, for those who ask it again; absolute paths, empty if the file names none.
+struct VehicleResults {
+  std::string plan_f_to_q, plan_q_to_f;  ///< plans [JSON] of `snapwing plan`
+  std::string validation;                ///< validation.json of `snapwing validate`
+};
+
 struct Vehicle {
   std::string name;
   std::string file;    ///< where it was read from
@@ -132,6 +138,7 @@ struct Vehicle {
   VehicleWing wing;
   /// Accidents that a validation must see survived: names of planning::accidentMargins.
   std::vector<std::string> must_survive;
+  VehicleResults results;
 
   bool hasWing() const { return !wing.table_file.empty(); }
   /// @param who  asks for the mount "boom"; begins the message @throws SettingError if the vehicle has no boom

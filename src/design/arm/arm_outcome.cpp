@@ -144,6 +144,18 @@ void finish(const ArmDesignSettings& s, const mpm::DensityField& field, const Ar
   common::writeFileAtomically(job.folder + "/report.json", common::jsonText(report));
 }
 
+ArmOutcome outcomeOf(const ArmRun& run, const ArmJob& job) {
+  ArmOutcome outcome;
+  outcome.folder = job.folder;
+  outcome.optimized = true;
+  outcome.status = run.result.status;
+  outcome.message = run.result.message;
+  outcome.objective = run.result.objective;
+  outcome.violation = run.result.violation;
+  outcome.iterations = static_cast<int>(run.history.size());
+  return outcome;
+}
+
 }  // namespace
 
 std::vector<std::string> armOutcomeFiles() {
@@ -159,15 +171,14 @@ ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job) {
   options.warning = job.warning;
   const ArmRun run = runArmDesign(settings, options);
   if (job.optimized) job.optimized(run);
-  ArmOutcome outcome;
-  outcome.folder = job.folder;
-  outcome.optimized = true;
-  outcome.status = run.result.status;
-  outcome.message = run.result.message;
-  outcome.objective = run.result.objective;
-  outcome.violation = run.result.violation;
-  outcome.iterations = static_cast<int>(run.history.size());
+  ArmOutcome outcome = outcomeOf(run, job);
   if (outcome.status != OptimizerStatus::CANCELLED) finish(settings, run.field, &run, job, outcome);
+  return outcome;
+}
+
+ArmOutcome finishArmDesign(const ArmDesignSettings& settings, const ArmRun& run, const ArmJob& job) {
+  ArmOutcome outcome = outcomeOf(run, job);
+  finish(settings, run.field, &run, job, outcome);
   return outcome;
 }
 

@@ -154,14 +154,16 @@ void readRun(SettingsReader& root, ArmDesignSettings& s) {
 }
 
 /// The vehicle's arm, or a body of a scene.
-void readMechanism(SettingsReader& root, ArmDesignSettings& s) {
+void readMechanism(SettingsReader& root, const std::string& vehicle_file, ArmDesignSettings& s) {
   if (!root.has("mechanism")) {
-    s.vehicle = vehicle::loadVehicle(root.resolvePath(root.text("vehicle")));
+    const std::string named = root.text("vehicle");
+    s.vehicle = vehicle::loadVehicle(vehicle_file.empty() ? root.resolvePath(named) : vehicle_file);
     s.copies = s.vehicle.arm.count;
     s.travel_max = s.vehicle.limits.travel_max;
     s.inputs_sha256 = s.vehicle.sha256;
     return;
   }
+  if (!vehicle_file.empty()) root.fail("mechanism", "a scene", "the arm of the vehicle that is given (no mechanism)");
   SettingsReader map = root.map("mechanism");
   s.user_scene = true;
   s.scene = scene::loadScene(map.resolvePath(map.text("scene")));
@@ -181,12 +183,12 @@ void readMechanism(SettingsReader& root, ArmDesignSettings& s) {
 
 }  // namespace
 
-ArmDesignSettings loadArmDesignSettings(const std::string& path) {
+ArmDesignSettings loadArmDesignSettings(const std::string& path, const std::string& vehicle_file) {
   SettingsReader root = SettingsReader::fromFile(path);
   ArmDesignSettings s;
   s.file = path;
   s.name = root.text("name");
-  readMechanism(root, s);
+  readMechanism(root, vehicle_file, s);
   readStages(root, s);
   s.plane =
       root.choice("plane", {"stress", "strain"}) == "strain" ? elasticity::Plane::STRAIN : elasticity::Plane::STRESS;

@@ -17,15 +17,16 @@ LinkageFactory elasticRung(WingRung rung, const WingBars& bars) {
 }
 
 /// Elastic bars over the table's travel fill the stored energy.
-void compare(const WingSettings& s, WingRung rung, WingOutcome* o) {
-  o->comparison = compareRungs(*elasticRung(rung, s.bars)(o->design.linkage), o->table.arm_rotation);
-  if (!o->comparison.converged) {
-    o->table.provenance["stored_energy"] = "none: " + o->comparison.message;
-    return;
+RungComparison compare(const WingBars& bars, const FourBar& linkage, WingRung rung, WingTable* table) {
+  RungComparison comparison = compareRungs(*elasticRung(rung, bars)(linkage), table->arm_rotation);
+  if (!comparison.converged) {
+    table->provenance["stored_energy"] = "none: " + comparison.message;
+    return comparison;
   }
-  o->table.stored_energy = o->comparison.stored_energy;
-  o->table.provenance["stored_energy"] =
+  table->stored_energy = comparison.stored_energy;
+  table->provenance["stored_energy"] =
       std::string("elastic ") + (rung == WingRung::SOLIDS ? "solids" : "beams") + " with friction at the pins";
+  return comparison;
 }
 
 bool meetsTargets(const WingDesign& d) {
@@ -81,7 +82,7 @@ WingOutcome designWingInto(const WingSettings& s, const WingJob& job) {
   o.table.provenance["command"] = std::string("snapwing design wing --rung ") + nameOf(job.rung);
   o.table.provenance["snapwing_version"] = common::version();
   o.table.provenance["settings_sha256"] = common::sha256OfFile(s.file);
-  compare(s, job.rung, &o);
+  o.comparison = compare(s.bars, o.design.linkage, job.rung, &o.table);
   addBlade(WingBlade(o.layout), *s.motion, &o.table);
   weigh(s, vehicle, &o);
   if (std::filesystem::exists(vehicle.arm.table_file)) {
@@ -93,6 +94,16 @@ WingOutcome designWingInto(const WingSettings& s, const WingJob& job) {
   saveParts(o.layout, o.stack, (folder / "parts").string());
   saveWingTable(o.table, (folder / "wing_table.h5").string());
   return o;
+}
+
+WingTable tabulateLayout(const WingLayout& layout, const ArmMotion& motion, int points) {
+  auto table = tabulate(layout.linkage, motion, motion.travelAt(layout.arm_rotation[1]), points);
+  if (!table) throw common::Error("wing '" + layout.name + "': its loop opens within the travel of this arm");
+  table->provenance["layout"] = layout.name;
+  table->provenance["snapwing_version"] = common::version();
+  compare(layout.bars, layout.linkage, wingRungOf(layout.rung), &*table);
+  addBlade(WingBlade(layout), motion, &*table);
+  return *table;
 }
 
 std::string wingHash(const WingSettings& s, WingRung rung) {

@@ -48,6 +48,9 @@ std::vector<std::string> armOutcomeFiles();
 /// cancelled, the checkpoint stays and no report is written. @throws common::Error
 ArmOutcome designArm(const ArmDesignSettings& settings, const ArmJob& job);
 
+/// The part of designArm() that follows the optimisation. @param run  not cancelled. @throws common::Error
+ArmOutcome finishArmDesign(const ArmDesignSettings& settings, const ArmRun& run, const ArmJob& job);
+
 /// The same for a density that is given. @throws common::Error
 ArmOutcome checkArmDensity(const ArmDesignSettings& settings, const mpm::DensityField& field, const ArmJob& job);
 

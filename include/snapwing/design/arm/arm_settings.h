@@ -95,7 +95,8 @@ struct ArmDesignSettings {
   std::string hash() const;
 };
 
+/// @param vehicle_file  in place of the one that the settings name; empty: that one
 /// @throws common::SettingError naming key, value and what is allowed; FileError
-ArmDesignSettings loadArmDesignSettings(const std::string& path);
+ArmDesignSettings loadArmDesignSettings(const std::string& path, const std::string& vehicle_file = {});
 
 }  // namespace snapwing::design

@@ -53,6 +53,11 @@ struct WingOutcome {
 /// @throws common::Error
 WingOutcome designWingInto(const WingSettings& settings, const WingJob& job);
 
+/// A wing that is there already, on an arm that turns otherwise: its table anew up to the layout's second state, with
+/// the blade's columns and, where the elastic bars converge, their energy. Provenance is that of the layout's file.
+/// @throws common::Error if the arm does not turn that far, or the loop opens on the way
+WingTable tabulateLayout(const WingLayout& layout, const ArmMotion& motion, int points = 161);
+
 /// Hash of all that a design depends on.
 std::string wingHash(const WingSettings& settings, WingRung rung);
 /// The layout and table in a folder, if both are there; the objective is computed again on the layout's rung, the

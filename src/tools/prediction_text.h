@@ -1,24 +1,14 @@
 #pragma once
-/// JSON of predictions and plans, shared by the commands. Keys follow the messages; NaN becomes null.
+/// What the commands that predict and plan share: their files, and a prediction in words.
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "snapwing/rom/prediction.h"
-#include "snapwing/vehicle/force_table.h"
-#include "snapwing/vehicle/pulse.h"
-#include "snapwing/vehicle/trial.h"
 #include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::tools {
-
-nlohmann::ordered_json predictionJson(const rom::SnapPrediction& prediction);
-nlohmann::ordered_json pulseJson(const vehicle::Pulse& pulse);
-nlohmann::ordered_json trialJson(const vehicle::Trial& trial);
-/// Vehicle and table with their hashes.
-nlohmann::ordered_json inputsJson(const vehicle::Vehicle& vehicle, const std::string& table_file);
 
 /// Checks outputs (path, option) against what the command reads. @throws common::FileError
 void checkFiles(const vehicle::Vehicle& vehicle, const std::string& table_file,

@@ -1,0 +1,20 @@
+#pragma once
+/// JSON of predictions and plans. Keys follow the messages; NaN becomes null.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "snapwing/rom/prediction.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/trial.h"
+#include "snapwing/vehicle/vehicle.h"
+
+namespace snapwing::validation {
+
+nlohmann::ordered_json predictionJson(const rom::SnapPrediction& prediction);
+nlohmann::ordered_json pulseJson(const vehicle::Pulse& pulse);
+nlohmann::ordered_json trialJson(const vehicle::Trial& trial);
+/// Vehicle and table with their hashes. @throws common::FileError
+nlohmann::ordered_json inputsJson(const vehicle::Vehicle& vehicle, const std::string& table_file);
+
+}  // namespace snapwing::validation

@@ -1,0 +1,171 @@
+#include "snapwing/pipeline/stages.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
+#include "snapwing/common/provenance.h"
+
+namespace snapwing::pipeline {
+
+namespace {
+
+using nlohmann::ordered_json;
+using validation::Verdict;
+namespace fs = std::filesystem;
+
+constexpr char NOTES[] = "stages";  // folder of the notes
+
+/// The folder of the notes, made only in a folder that is new, empty or this run's own.
+std::string notesIn(const std::string& folder) {
+  const std::string notes = folder + "/" + NOTES;
+  if (fs::is_directory(folder) && !fs::is_empty(folder) && !fs::is_directory(notes)) {
+    throw common::FileError(folder,
+                            "holds files of something else; allowed: a folder that is new or empty, or one that "
+                            "`snapwing design arm --into` has begun");
+  }
+  common::makeFolder(notes);
+  return notes;
+}
+
+/// Held by the process: whatever ends it lets go.
+int lockOf(const std::string& folder) {
+  const std::string path = folder + "/" + NOTES + "/lock";
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0) throw common::FileError(path, "cannot be made");
+  if (::flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  const bool busy = errno == EWOULDBLOCK;
+  ::close(file);
+  if (!busy) return -1;  // a file system without locks
+  throw common::FileError(folder, "another run works in this folder now; wait for its end, or name another folder");
+}
+
+std::string keyOf(const Inputs& inputs) {
+  std::string text;
+  for (const auto& [name, value] : inputs) text += name + "=" + value + ";";
+  return common::sha256(text);
+}
+
+ordered_json jsonOf(const Inputs& inputs) {
+  ordered_json json = ordered_json::object();
+  for (const auto& [name, value] : inputs) json[name] = value;
+  return json;
+}
+
+Verdict verdictOf(const std::string& name) {
+  for (const Verdict v : {Verdict::PASS, Verdict::UNDECIDED, Verdict::TOLD}) {
+    if (name == validation::verdictName(v)) return v;
+  }
+  return Verdict::FAIL;
+}
+
+/// The stage's note as its result; none if a file is not what it was.
+std::optional<StageResult> resultOf(const std::string& note, const std::string& folder) {
+  const ordered_json json = ordered_json::parse(note, nullptr, false);
+  if (!json.is_object() || !json.contains("files")) return std::nullopt;
+  StageResult result;
+  result.verdict = verdictOf(json.value("verdict", ""));
+  result.ends = json.value("ends", false);
+  result.words = json.value("words", "");
+  for (const auto& [file, hash] : json["files"].items()) {
+    const std::string path = folder + "/" + file;
+    if (!fs::is_regular_file(path) || common::sha256OfFile(path) != hash) return std::nullopt;
+    result.files.push_back(file);
+  }
+  result.kept = true;
+  return result;
+}
+
+/// Names of the inputs in which a note and now differ.
+std::string differences(const ordered_json& note, const Inputs& now) {
+  const ordered_json was = note.is_object() ? note.value("inputs", ordered_json::object()) : ordered_json::object();
+  std::string names;
+  for (const auto& [name, value] : now) {
+    if (was.value(name, "") != value) names += (names.empty() ? "" : ", ") + name;
+  }
+  return names.empty() ? "its inputs" : names;
+}
+
+}  // namespace
+
+Stages::Stages(std::string folder, int count, std::function<void(const StageProgress&)> told)
+    : folder_(std::move(folder)), kept_(notesIn(folder_)), count_(count), told_(std::move(told)) {
+  lock_ = lockOf(folder_);
+}
+
+Stages::~Stages() {
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void Stages::tell(StageProgress::What what, const std::string& words, Verdict verdict, double share) {
+  if (told_) told_({what, number_, count_, stage_, words, share, verdict});
+}
+
+void Stages::working(const std::string& words, double share) {
+  tell(StageProgress::What::WORKING, words, Verdict::TOLD, share);
+}
+
+std::string Stages::notedHash(const std::string& stage, const std::string& file) const {
+  const std::optional<std::string> note = kept_.loadAny(stage);
+  if (!note) return "";
+  const ordered_json json = ordered_json::parse(*note, nullptr, false);
+  if (!json.is_object() || !json.contains("files")) return "";
+  return json["files"].value(file, "");
+}
+
+std::string Stages::whyAnew(const std::string& stage, const Inputs& inputs) const {
+  const std::string key = keyOf(inputs);
+  if (const auto note = kept_.loadAny(stage)) {
+    const ordered_json was = ordered_json::parse(*note, nullptr, false);
+    if (!kept_.load(stage, key)) return "anew: changed since it was done: " + differences(was, inputs);
+    const ordered_json files = was.is_object() ? was.value("files", ordered_json::object()) : ordered_json::object();
+    for (const auto& [file, hash] : files.items()) {
+      if (!fs::is_regular_file(path(file))) return "anew: " + file + " is not there any more";
+      if (common::sha256OfFile(path(file)) != hash) return "anew: " + file + " is not what this stage left";
+    }
+  }
+  const auto begun = kept_.loadAny(stage + ".begun");
+  if (!begun) return "";
+  if (kept_.load(stage + ".begun", key)) return "goes on";
+  return "anew: changed since it was begun: " + differences(ordered_json::parse(*begun, nullptr, false), inputs);
+}
+
+StageResult Stages::run(const std::string& stage, const Inputs& inputs,
+                        const std::function<StageResult(bool goes_on)>& work) {
+  ++number_, stage_ = stage;
+  const std::string key = keyOf(inputs);
+  if (const auto note = kept_.load(stage, key)) {
+    if (auto result = resultOf(*note, folder_)) {
+      result->stage = stage;
+      tell(StageProgress::What::KEPT, result->words, result->verdict, 1);
+      return *result;
+    }
+  }
+  const std::string why = whyAnew(stage, inputs);
+  tell(StageProgress::What::BEGUN, why, Verdict::TOLD, std::numeric_limits<double>::quiet_NaN());
+  const bool goes_on = kept_.load(stage + ".begun", key).has_value();
+  kept_.forget(stage);
+  kept_.save(stage + ".begun", key, ordered_json{{"inputs", jsonOf(inputs)}}.dump());
+  StageResult result = work(goes_on);
+  result.stage = stage;
+  ordered_json files = ordered_json::object();
+  for (const std::string& file : result.files) files[file] = common::sha256OfFile(path(file));
+  kept_.save(stage, key,
+             ordered_json{{"inputs", jsonOf(inputs)},
+                          {"verdict", validation::verdictName(result.verdict)},
+                          {"ends", result.ends},
+                          {"words", common::shownBytes(result.words)},
+                          {"files", files}}
+                 .dump());
+  tell(StageProgress::What::DONE, result.words, result.verdict, 1);
+  return result;
+}
+
+}  // namespace snapwing::pipeline

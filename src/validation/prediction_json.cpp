@@ -1,0 +1,120 @@
+#include "snapwing/validation/prediction_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "snapwing/common/json_text.h"
+#include "snapwing/common/provenance.h"
+#include "snapwing/planning/uncertainty_points.h"
+#include "snapwing/validation/plan_file.h"
+
+namespace snapwing::validation {
+
+using nlohmann::ordered_json;
+
+ordered_json predictionJson(const rom::SnapPrediction& p) {
+  return {{"rung", p.rung},
+          {"start_mode", vehicle::modeName(p.start_mode)},
+          {"end_mode", vehicle::modeName(p.end_mode)},
+          {"snapped", p.snapped},
+          {"start_held", p.start_held},
+          {"snap_time", p.snap_time},
+          {"settle_time", p.settle_time},
+          {"peak_travel", p.peak_travel},
+          {"least_travel", p.least_travel},
+          {"end_travel", p.end_travel},
+          {"end_speed", p.end_speed},
+          {"peak_speed", p.peak_speed},
+          {"energy_margin", p.energy_margin},
+          {"force_error", p.force_error},
+          {"out_of_table", p.out_of_table},
+          {"steps", p.steps},
+          {"compute_seconds", p.compute_seconds}};
+}
+
+ordered_json pulseJson(const vehicle::Pulse& pulse) {
+  return {{"throttle", pulse.throttle}, {"duration", pulse.duration}};
+}
+
+ordered_json trialJson(const vehicle::Trial& trial) {
+  ordered_json json = {{"mount", vehicle::mountName(trial.mount)},
+                       {"wings", vehicle::wingsName(trial.wings)},
+                       {"gravity", trial.gravity},
+                       {"initial_speed", trial.initial_speed},
+                       {"push", trial.push},
+                       {"horizon", trial.horizon}};
+  if (trial.initial_thrust_fraction) json["initial_thrust_fraction"] = *trial.initial_thrust_fraction;
+  if (trial.final_thrust_fraction) json["final_thrust_fraction"] = *trial.final_thrust_fraction;
+  return json;
+}
+
+ordered_json inputsJson(const vehicle::Vehicle& vehicle, const std::string& table_file) {
+  ordered_json json = {{"vehicle", vehicle.name},
+                       {"vehicle_file", vehicle.file},
+                       {"vehicle_sha256", vehicle.sha256},
+                       {"table_file", table_file},
+                       {"table_sha256", common::sha256OfFile(table_file)}};
+  if (!vehicle.wing.table_file.empty()) {
+    json["wing_table_file"] = vehicle.wing.table_file;
+    json["wing_table_sha256"] = common::sha256OfFile(vehicle.wing.table_file);
+  }
+  json["snapwing_version"] = common::version();
+  return json;
+}
+
+namespace {
+
+ordered_json planJson(const planning::TransitionPlan& plan) {
+  ordered_json influences = ordered_json::array();
+  for (const auto& effect : plan.influences) {
+    influences.push_back(
+        {{"name", effect.name}, {"low_margin", effect.low_margin}, {"high_margin", effect.high_margin}});
+  }
+  ordered_json worst_coordinates;
+  const std::vector<std::string> names = planning::plannerCoordinateNames();
+  for (std::size_t i = 0; i < plan.worst_coordinates.size(); ++i)
+    worst_coordinates[names[i]] = plan.worst_coordinates[i];
+  return {{"start_mode", vehicle::modeName(plan.start_mode)},
+          {"target_mode", vehicle::modeName(plan.target_mode)},
+          {"accepted", plan.accepted},
+          {"reason", plan.reason},
+          {"pulse", pulseJson(plan.pulse)},
+          {"thrust_fraction", plan.thrust_fraction},
+          {"worst_margin", plan.worst_margin},
+          {"share_switched", plan.share_switched},
+          {"realisations", plan.realisations},
+          {"vertex_margin", plan.vertex_margin},
+          {"evaluations", plan.evaluations},
+          {"predictions", plan.predictions},
+          {"compute_seconds", plan.compute_seconds},
+          {"nominal", predictionJson(plan.nominal)},
+          {"worst", predictionJson(plan.worst)},
+          {"worst_coordinates", worst_coordinates},
+          {"influences", influences}};
+}
+
+ordered_json accidentsJson(const std::vector<planning::AccidentMargin>& margins) {
+  ordered_json list = ordered_json::array();
+  for (const auto& m : margins) {
+    list.push_back({{"name", m.name},
+                    {"explanation", m.explanation},
+                    {"mode", vehicle::modeName(m.mode)},
+                    {"unit", m.unit},
+                    {"limit", m.limit},
+                    {"occurs", m.occurs},
+                    {"holds", m.holds}});
+  }
+  return list;
+}
+
+}  // namespace
+
+void savePlan(const std::string& path, const vehicle::Vehicle& vehicle, const std::string& table_file,
+              const vehicle::Trial& trial, const planning::TransitionPlan& plan,
+              const std::vector<planning::AccidentMargin>* accidents) {
+  ordered_json json = {
+      {"inputs", inputsJson(vehicle, table_file)}, {"trial", trialJson(trial)}, {"plan", planJson(plan)}};
+  if (accidents) json["accidents"] = accidentsJson(*accidents);
+  common::writeFileAtomically(path, common::jsonText(json));
+}
+
+}  // namespace snapwing::validation
