@@ -13,8 +13,10 @@ import yaml
 
 ROOT = rospkg.RosPack().get_path("snapwing")
 NODES = ("design_node", "reduced_model_node", "transition_planner_node", "wing_state_node", "simulated_vehicle_node",
-         "flight_link_node")
-GIVEN_BY_LAUNCH = {"flight_link_node": {"lcm_url": "udpm://239.255.76.67:7999?ttl=0", "key_file": "no_such_key"}}
+         "flight_link_node", "pipeline_node")
+GIVEN_BY_LAUNCH = {"flight_link_node": {"lcm_url": "udpm://239.255.76.67:7999?ttl=0", "key_file": "no_such_key"},
+                   "pipeline_node": {}}
+REQUIRED = {"flight_link_node": "lcm_url", "pipeline_node": "cell_size"}  # of the others: vehicle_file
 
 
 def shipped(node):
@@ -48,14 +50,14 @@ class Parameters(unittest.TestCase):
     def test_missing_key(self):
         for node in NODES:
             parameters = shipped(node)
-            key = "lcm_url" if node == "flight_link_node" else "vehicle_file"
+            key = REQUIRED.get(node, "vehicle_file")
             del parameters[key]
             self.refused(node, parameters, key)
 
     def test_wrong_type(self):
         for node in NODES:
             parameters = shipped(node)
-            key = "lcm_url" if node == "flight_link_node" else "vehicle_file"
+            key = REQUIRED.get(node, "vehicle_file")
             self.refused(node, dict(parameters, **{key: 7}), key)
 
     def test_out_of_range(self):

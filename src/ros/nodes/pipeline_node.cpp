@@ -32,14 +32,14 @@ double steadySeconds() {
 
 validation::ValidationSettings readValidation(Params& params) {
   validation::ValidationSettings s;
-  s.planar_cell = params.numberOr("cell_size", s.planar_cell, {1e-4, 0.02}, "m");
-  s.extrapolate = params.booleanOr("two_cell_sizes", s.extrapolate);
-  s.volumetric = params.booleanOr("volumetric", s.volumetric);
-  s.solid_cell = params.numberOr("solid_cell_size", s.solid_cell, {1e-4, 0.02}, "m");
-  s.weakest = params.integerOr("weakest", s.weakest, 0, 500);
-  s.samples = params.integerOr("samples", s.samples, 0, 10000);
-  s.step = params.numberOr("step", s.step, {1e-5, 0.02}, "s");
-  s.threads = params.integerOr("threads", s.threads, 1, 256);
+  s.planar_cell = params.number("cell_size", {1e-4, 0.02}, "m");
+  s.extrapolate = params.boolean("two_cell_sizes");
+  s.volumetric = params.boolean("volumetric");
+  s.solid_cell = params.number("solid_cell_size", {1e-4, 0.02}, "m");
+  s.weakest = params.integer("weakest", 0, 500);
+  s.samples = params.integer("samples", 0, 10000);
+  s.step = params.number("step", {1e-5, 0.02}, "s");
+  s.threads = params.integer("threads", 1, 256);
   s.validate();
   return s;
 }
