@@ -6,6 +6,7 @@ import sys
 import unittest
 
 import actionlib
+import h5py
 import rospy
 import rostest
 import yaml
@@ -45,7 +46,11 @@ class Design(unittest.TestCase):
         geometry = rospy.wait_for_message("designed/arm_geometry", ArmGeometry, timeout=10)
         self.assertEqual(geometry.density_file, os.path.join(first.folder, "body.csv"))
         curve = rospy.wait_for_message("designed/force_curve", ForceDisplacementCurve, timeout=10)
-        self.assertEqual(curve.inputs_sha256, first.inputs_sha256)
+        with h5py.File(os.path.join(first.folder, "table.h5"), "r") as table:
+            made_of = {key: value.decode() if isinstance(value, bytes) else str(value)
+                       for key, value in table["provenance"].attrs.items()}
+        self.assertEqual(curve.inputs_sha256, made_of["inputs_sha256"])  # of the arm alone
+        self.assertEqual(made_of["design_sha256"], first.inputs_sha256)
         self.assertEqual(curve.bistable, first.verdict)
         again = self.ask()
         self.assertTrue(again.from_store)

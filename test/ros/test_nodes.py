@@ -50,8 +50,10 @@ class Nodes(unittest.TestCase):
 
     def test_picture(self):
         markers = self.wait("markers", MarkerArray).markers
-        self.assertEqual({m.ns for m in markers},
-                         {"ring", "rotors", "thrust", "housing", "arms", "wings", "linkage", "label"})
+        names = {m.ns for m in markers}
+        ghosts = {name for name in names if name.startswith("ghost ")}  # beside it while the mode is not known
+        self.assertEqual(names - ghosts, {"ring", "rotors", "thrust", "housing", "arms", "wings", "linkage", "label"})
+        self.assertIn(ghosts, (set(), {"ghost housing", "ghost arms", "ghost wings", "ghost linkage"}))
         for space in ("wings", "linkage"):  # two markers of the left wing, two of the right one
             self.assertEqual([m.id for m in markers if m.ns == space], [0, 1, 2, 3])
         arms = [m for m in markers if m.ns == "arms"]
