@@ -1,7 +1,5 @@
 #include "snapwing/common/error.h"
 
-#include "snapwing/common/require.h"
-
 namespace snapwing::common {
 
 namespace {
@@ -17,9 +15,5 @@ SettingError::SettingError(const std::string& where, const std::string& key, con
     : Error(settingMessage(where, key, value, allowed)), key_(key) {}
 
 FileError::FileError(const std::string& path, const std::string& why) : Error(path + ": " + why) {}
-
-void requireWithin(const char* who, const char* key, double value, double low, double high) {
-  Require(who).within(key, value, low, high);
-}
 
 }  // namespace snapwing::common

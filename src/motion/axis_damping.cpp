@@ -1,7 +1,7 @@
 // Losses of a vehicle along its axis: what the file's damping ratio makes of each law, and the material's memory.
-#include <array>
 #include <cmath>
 
+#include "snapwing/common/enum_names.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/motion/axis_vehicle.h"
@@ -16,18 +16,14 @@ using solver::Term;
 
 namespace {
 
-constexpr std::array<const char*, 4> DAMPING{"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"};
+constexpr common::EnumNames<DampingLaw, 4> DAMPING("damping",
+                                                   {"travel", "rayleigh", "rayleigh_projected", "kelvin_voigt"});
 
 }  // namespace
 
-DampingLaw dampingFromName(const std::string& name) {
-  for (std::size_t k = 0; k < DAMPING.size(); ++k) {
-    if (name == DAMPING[k]) return static_cast<DampingLaw>(k);
-  }
-  throw common::Error("damping is '" + name + "'; allowed: travel, rayleigh, rayleigh_projected, kelvin_voigt");
-}
+DampingLaw dampingFromName(const std::string& name) { return DAMPING.value(name); }
 
-std::string dampingName(DampingLaw law) { return DAMPING[static_cast<std::size_t>(law)]; }
+std::string dampingName(DampingLaw law) { return DAMPING.name(law); }
 
 template <int D>
 std::shared_ptr<const Term> AxisVehicle::materialDampingIn(DampingLaw law, double beta) const {

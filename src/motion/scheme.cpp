@@ -1,8 +1,8 @@
 #include "snapwing/motion/scheme.h"
 
-#include <array>
 #include <cmath>
 
+#include "snapwing/common/enum_names.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/require.h"
@@ -11,7 +11,8 @@ namespace snapwing::motion {
 
 namespace {
 
-constexpr std::array<const char*, 4> NAMES{"backward_euler", "midpoint", "average_force", "corrected_midpoint"};
+constexpr common::EnumNames<SchemeKind, 4> NAMES("scheme",
+                                                 {"backward_euler", "midpoint", "average_force", "corrected_midpoint"});
 
 /// Gauss points and weights on [0, 1].
 std::vector<std::pair<double, double>> gauss(int points) {
@@ -36,14 +37,9 @@ std::vector<std::pair<double, double>> gauss(int points) {
 
 }  // namespace
 
-SchemeKind schemeFromName(const std::string& name) {
-  for (std::size_t k = 0; k < NAMES.size(); ++k) {
-    if (name == NAMES[k]) return static_cast<SchemeKind>(k);
-  }
-  throw common::Error("scheme is '" + name + "'; allowed: backward_euler, midpoint, average_force, corrected_midpoint");
-}
+SchemeKind schemeFromName(const std::string& name) { return NAMES.value(name); }
 
-std::string schemeName(SchemeKind kind) { return NAMES[static_cast<std::size_t>(kind)]; }
+std::string schemeName(SchemeKind kind) { return NAMES.name(kind); }
 
 Scheme::Scheme(SchemeKind kind, int points, double bias) : kind_(kind), points_(points), bias_(bias) {
   common::Require("scheme").within("points", points, 1, 4);

@@ -75,7 +75,7 @@ namespace {
 void setLane(const vehicle::VehicleParameters& p, const vehicle::Radio& radio, const vehicle::Trial& trial,
              double throttle, double duration, int l, EnsembleBlock* a) {
   const bool boom = trial.mount == vehicle::Mount::BOOM, held = trial.mount == vehicle::Mount::HELD;
-  const double idle = vehicle::thrustFraction(p.quadratic_share, vehicle::motorOutput(radio, 0.0));
+  const double idle = vehicle::thrustFraction(p.quadratic_share, radio, 0.0);
   a->ring_mass.lane[l] = p.ring_mass + (boom ? p.boom_mass : 0.0);
   a->centre_mass.lane[l] = p.centre_mass;
   a->all.lane[l] = a->ring_mass.lane[l] + p.centre_mass;
@@ -92,7 +92,7 @@ void setLane(const vehicle::VehicleParameters& p, const vehicle::Radio& radio, c
   a->wing_inertia.lane[l] = p.wing_inertia;
   a->wing_friction.lane[l] = p.wing_friction;
   a->before.lane[l] = trial.initial_thrust_fraction.value_or(idle);
-  a->during.lane[l] = vehicle::thrustFraction(p.quadratic_share, vehicle::motorOutput(radio, throttle));
+  a->during.lane[l] = vehicle::thrustFraction(p.quadratic_share, radio, throttle);
   a->after.lane[l] = trial.final_thrust_fraction.value_or(idle);
   a->duration.lane[l] = duration;
 }

@@ -56,7 +56,7 @@ LumpedModel::LumpedModel(std::shared_ptr<const Potential> potential, const vehic
 }
 
 double LumpedModel::thrustFraction(const vehicle::Radio& radio, double throttle) const {
-  return vehicle::thrustFraction(parameters_.quadratic_share, vehicle::motorOutput(radio, throttle));
+  return vehicle::thrustFraction(parameters_.quadratic_share, radio, throttle);
 }
 
 bool wingsAct(const vehicle::Trial& trial, bool has_wings) {

@@ -12,7 +12,7 @@ VehicleCurves::VehicleCurves(const vehicle::ForceTable& arm, const std::optional
 
 LumpedModel VehicleCurves::model(const vehicle::Radio& radio, const vehicle::VehicleParameters& parameters,
                                  const LumpedSettings& settings) const {
-  const double idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(radio, 0.0));
+  const double idle = vehicle::thrustFraction(parameters.quadratic_share, radio, 0.0);
   std::shared_ptr<const TravelInertia> wing;
   if (wing_) wing = std::make_shared<TravelInertia>(wing_->scaled(parameters.wing_inertia, parameters.wing_friction));
   return LumpedModel(std::make_shared<EnergySpline>(spline_.withForceScale(parameters.force_scale)), parameters, idle,

@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "snapwing/common/enum_names.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 
@@ -110,17 +111,13 @@ double cellSizeFor(const std::string& resolution, double scene_cell_size) {
   return cell_size;
 }
 
-std::string kernelName(SceneKernel kernel) {
-  if (kernel == SceneKernel::LINEAR) return "linear";
-  return kernel == SceneKernel::QUADRATIC ? "quadratic" : "linear_reduced";
-}
+namespace {
+constexpr common::EnumNames<SceneKernel, 3> KERNELS("kernel", {"linear", "linear_reduced", "quadratic"});
+}  // namespace
 
-SceneKernel kernelFromName(const std::string& name) {
-  for (const SceneKernel kernel : {SceneKernel::LINEAR, SceneKernel::LINEAR_REDUCED, SceneKernel::QUADRATIC}) {
-    if (kernelName(kernel) == name) return kernel;
-  }
-  throw common::Error("kernel is '" + name + "'; allowed: linear, linear_reduced, quadratic");
-}
+std::string kernelName(SceneKernel kernel) { return KERNELS.name(kernel); }
+
+SceneKernel kernelFromName(const std::string& name) { return KERNELS.value(name); }
 
 std::vector<TradeRow> loadTrade(const std::string& folder) {
   std::vector<std::string> files;

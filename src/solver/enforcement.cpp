@@ -1,20 +1,15 @@
 #include "snapwing/solver/enforcement.h"
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/enum_names.h"
 
 namespace snapwing::solver {
 
-Enforcement enforcementFromName(const std::string& name) {
-  for (const Enforcement enforcement :
-       {Enforcement::ELIMINATION, Enforcement::AUGMENTED_LAGRANGIAN, Enforcement::MULTIPLIERS}) {
-    if (enforcementName(enforcement) == name) return enforcement;
-  }
-  throw common::Error("drive is '" + name + "'; allowed: elimination, augmented_lagrangian, multipliers");
-}
+namespace {
+constexpr common::EnumNames<Enforcement, 3> NAMES("drive", {"elimination", "augmented_lagrangian", "multipliers"});
+}  // namespace
 
-std::string enforcementName(Enforcement enforcement) {
-  if (enforcement == Enforcement::ELIMINATION) return "elimination";
-  return enforcement == Enforcement::MULTIPLIERS ? "multipliers" : "augmented_lagrangian";
-}
+Enforcement enforcementFromName(const std::string& name) { return NAMES.value(name); }
+
+std::string enforcementName(Enforcement enforcement) { return NAMES.name(enforcement); }
 
 }  // namespace snapwing::solver

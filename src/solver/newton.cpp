@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "snapwing/common/enum_names.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/solver/conjugate_gradients.h"
@@ -39,10 +40,8 @@ std::string statusName(SolveStatus status) {
 }
 
 Projection projectionFromName(const std::string& name) {
-  if (name == "on_demand") return Projection::ON_DEMAND;
-  if (name == "clamp") return Projection::ALWAYS;
-  if (name == "absolute") return Projection::ABSOLUTE;
-  throw common::Error("projection is '" + name + "'; allowed: on_demand, clamp, absolute");
+  static constexpr common::EnumNames<Projection, 3> NAMES("projection", {"on_demand", "clamp", "absolute"});
+  return NAMES.value(name);
 }
 
 void NewtonSettings::validate() const {

@@ -47,7 +47,7 @@ struct Work {
     file.trial.mount = vehicle::mountFor(vehicle, file.mount, "mount");
     file.trial.validate();
     parameters = vehicle::realise(vehicle, table, file.box);
-    idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle.radio, 0));
+    idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle.radio, 0);
     fraction = fractionOf(file.pulse);
     common::OutputFiles files;
     files.reads({file.file, vehicle.file, vehicle.arm.density_file, vehicle.arm.table_file}, "a file of the trial");
@@ -60,7 +60,7 @@ struct Work {
   /// Steady thrust of a level / full thrust.
   double fractionOf(const motion::TrialLevel& level) const {
     if (level.throttle < 0) return level.thrust;
-    return vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle.radio, level.throttle));
+    return vehicle::thrustFraction(parameters.quadratic_share, vehicle.radio, level.throttle);
   }
   std::string path(const std::string& name) const { return options.folder + "/" + name; }
   std::string hash() const {
@@ -157,22 +157,13 @@ class Progress {
   Clock::time_point begin_ = Clock::now(), shown_ = begin_;
 };
 
-ordered_json outcomeJson(const motion::AxisOutcome& o) {
-  return {{"start_mode", vehicle::modeName(o.start_mode)},
-          {"end_mode", vehicle::modeName(o.end_mode)},
-          {"snapped", o.snapped},
-          {"start_held", o.start_held},
-          {"snap_time", o.snap_time},
-          {"settle_time", o.settle_time},
-          {"peak_travel", o.peak_travel},
-          {"least_travel", o.least_travel},
-          {"end_travel", o.end_travel},
-          {"end_speed", o.end_speed},
-          {"peak_speed", o.peak_speed},
-          {"largest_imbalance", o.largest_imbalance},
-          {"steps", o.steps},
-          {"iterations", o.iterations},
-          {"factorizations", o.factorizations}};
+ordered_json motionJson(const motion::AxisOutcome& o) {
+  ordered_json json = validation::outcomeJson(o);
+  json.update({{"largest_imbalance", o.largest_imbalance},
+               {"steps", o.steps},
+               {"iterations", o.iterations},
+               {"factorizations", o.factorizations}});
+  return json;
 }
 
 ordered_json barJson(const solver::RigidMass& mass) {
@@ -301,7 +292,7 @@ int runSolid(const Work& work) {
   const double cpu = cpuSeconds() - cpu_before;
   ordered_json summary = headOf(work);
   summary["model"] = modelJson(work, vehicle);
-  summary["outcome"] = outcomeJson(run.outcome);
+  summary["outcome"] = motionJson(run.outcome);
   summary["ended"] = ended;
   summary["cpu_seconds"] = {{"all", cpu},
                             {"assembly", stepper.secondsAssembly()},

@@ -11,24 +11,29 @@ namespace snapwing::validation {
 
 using nlohmann::ordered_json;
 
+ordered_json outcomeJson(const vehicle::TrialOutcome& o) {
+  return {{"start_mode", vehicle::modeName(o.start_mode)},
+          {"end_mode", vehicle::modeName(o.end_mode)},
+          {"snapped", o.snapped},
+          {"start_held", o.start_held},
+          {"snap_time", o.snap_time},
+          {"settle_time", o.settle_time},
+          {"peak_travel", o.peak_travel},
+          {"least_travel", o.least_travel},
+          {"end_travel", o.end_travel},
+          {"end_speed", o.end_speed},
+          {"peak_speed", o.peak_speed}};
+}
+
 ordered_json predictionJson(const rom::SnapPrediction& p) {
-  return {{"rung", p.rung},
-          {"start_mode", vehicle::modeName(p.start_mode)},
-          {"end_mode", vehicle::modeName(p.end_mode)},
-          {"snapped", p.snapped},
-          {"start_held", p.start_held},
-          {"snap_time", p.snap_time},
-          {"settle_time", p.settle_time},
-          {"peak_travel", p.peak_travel},
-          {"least_travel", p.least_travel},
-          {"end_travel", p.end_travel},
-          {"end_speed", p.end_speed},
-          {"peak_speed", p.peak_speed},
-          {"energy_margin", p.energy_margin},
-          {"force_error", p.force_error},
-          {"out_of_table", p.out_of_table},
-          {"steps", p.steps},
-          {"compute_seconds", p.compute_seconds}};
+  ordered_json json = {{"rung", p.rung}};
+  json.update(outcomeJson(p));
+  json.update({{"energy_margin", p.energy_margin},
+               {"force_error", p.force_error},
+               {"out_of_table", p.out_of_table},
+               {"steps", p.steps},
+               {"compute_seconds", p.compute_seconds}});
+  return json;
 }
 
 ordered_json pulseJson(const vehicle::Pulse& pulse) {

@@ -108,9 +108,8 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
 
 RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehicle& solid, double step) const {
   const vehicle::VehicleParameters parameters = parametersOf(trial);
-  const double idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle_.radio, 0));
-  const double fraction =
-      vehicle::thrustFraction(parameters.quadratic_share, vehicle::motorOutput(vehicle_.radio, trial.pulse.throttle));
+  const double idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle_.radio, 0);
+  const double fraction = vehicle::thrustFraction(parameters.quadratic_share, vehicle_.radio, trial.pulse.throttle);
   motion::StepperSettings steps;
   steps.largest_step = step;
   steps.relative_tolerance = 1e-6;

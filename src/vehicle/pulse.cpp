@@ -41,10 +41,14 @@ double thrustFraction(double quadratic_share, double motor_output) {
   return motor_output * (quadratic_share * motor_output + (1.0 - quadratic_share));
 }
 
+double thrustFraction(double quadratic_share, const Radio& radio, double throttle) {
+  return thrustFraction(quadratic_share, motorOutput(radio, throttle));
+}
+
 double throttleForThrust(const Vehicle& vehicle, double fraction) {
   const double q = vehicle.rotors.quadratic_share.value;
   const Radio& radio = vehicle.radio;
-  const double idle = thrustFraction(q, motorOutput(radio, 0.0));
+  const double idle = thrustFraction(q, radio, 0);
   if (!(fraction >= idle && fraction <= 1.0)) {
     throw common::Error("thrust fraction is " + std::to_string(fraction) + "; allowed: " + std::to_string(idle) +
                         " (motors idle) .. 1");

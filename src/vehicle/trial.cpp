@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "snapwing/common/enum_names.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
 #include "snapwing/vehicle/vehicle.h"
@@ -9,12 +10,11 @@
 
 namespace snapwing::vehicle {
 
-Mount mountFromName(const std::string& text) {
-  if (text == "free") return Mount::FREE;
-  if (text == "boom") return Mount::BOOM;
-  if (text == "held") return Mount::HELD;
-  throw common::Error("mount is '" + text + "'; allowed: free, boom, held");
-}
+namespace {
+constexpr common::EnumNames<Mount, 3> MOUNTS("mount", {"free", "boom", "held"});
+}  // namespace
+
+Mount mountFromName(const std::string& text) { return MOUNTS.value(text); }
 
 Mount mountFor(const Vehicle& vehicle, const std::string& text, const std::string& who) {
   if (text == "auto") return vehicle.boom.given ? Mount::BOOM : Mount::FREE;
@@ -23,17 +23,7 @@ Mount mountFor(const Vehicle& vehicle, const std::string& text, const std::strin
   return mount;
 }
 
-std::string mountName(Mount mount) {
-  switch (mount) {
-    case Mount::FREE:
-      return "free";
-    case Mount::BOOM:
-      return "boom";
-    case Mount::HELD:
-      break;
-  }
-  return "held";
-}
+std::string mountName(Mount mount) { return MOUNTS.name(mount); }
 
 std::optional<bool> wingsFromName(const std::string& text) {
   if (text == "auto") return std::nullopt;

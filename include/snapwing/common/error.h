@@ -34,7 +34,4 @@ class FileError : public Error {
   FileError(const std::string& path, const std::string& why);
 };
 
-/// A number that must lie within a range. @param who  asks, for the message. @throws Error naming key, value and range
-void requireWithin(const char* who, const char* key, double value, double low, double high);
-
 }  // namespace snapwing::common

@@ -9,7 +9,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_vehicle.h"
-#include "snapwing/vehicle/mode.h"
+#include "snapwing/vehicle/trial_outcome.h"
 
 namespace snapwing::motion {
 
@@ -77,18 +77,9 @@ struct AxisSample {
 };
 
 /// The members of rom::SnapPrediction that a solid has, by the same definitions.
-struct AxisOutcome {
-  vehicle::Mode start_mode = vehicle::Mode::UNKNOWN;
-  vehicle::Mode end_mode = vehicle::Mode::UNKNOWN;  ///< UNKNOWN = not settled within the horizon
-  bool snapped = false;
-  double snap_time = std::numeric_limits<double>::quiet_NaN();  ///< [s] last crossing of the unloaded barrier
-  double peak_travel = 0, least_travel = 0, end_travel = 0;     ///< [m]
-  double peak_speed = 0;                                        ///< [m/s] largest |speed| of the ring
-  double end_speed = 0;                                         ///< [m/s] of the common centre of mass
-  double settle_time = std::numeric_limits<double>::quiet_NaN();
-  bool start_held = true;
+struct AxisOutcome : vehicle::TrialOutcome {
   double largest_imbalance = 0;  ///< [J] of the summed account: what the scheme fed or ate
-  int steps = 0, iterations = 0, factorizations = 0;
+  int iterations = 0, factorizations = 0;
 };
 
 /// What a run is resumed from: with the same bits as without the interruption.

@@ -11,6 +11,8 @@
 
 namespace snapwing::validation {
 
+/// What the models of all fidelities say of a trial.
+nlohmann::ordered_json outcomeJson(const vehicle::TrialOutcome& outcome);
 nlohmann::ordered_json predictionJson(const rom::SnapPrediction& prediction);
 nlohmann::ordered_json pulseJson(const vehicle::Pulse& pulse);
 nlohmann::ordered_json trialJson(const vehicle::Trial& trial);

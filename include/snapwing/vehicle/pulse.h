@@ -30,6 +30,8 @@ double motorOutputFromMicroseconds(const Radio& radio, double microseconds);
 
 /// Motor output s in [0,1] -> share of the full thrust, q s^2 + (1-q) s.
 double thrustFraction(double quadratic_share, double motor_output);
+/// The same for a stick throttle [0,1] while armed: 0 is what idle motors give.
+double thrustFraction(double quadratic_share, const Radio& radio, double throttle);
 
 /// Throttle whose steady thrust is `fraction` of the full thrust. @param fraction within [idle's, 1]
 /// @throws Error if outside
