@@ -436,6 +436,7 @@ class LogReplayed(Lasting):
     name = "a recorded LCM session is replayed into the live bridge"
     guard = "bridge: age, message numbers, session"
     new_session = None  # into the session of the recording, a new one, or either
+    refusals = frozenset()  # each that the bridge told during the replay; the live operator's own late messages are among them
 
     def trial(self):
         bench = self.bench
@@ -463,6 +464,7 @@ class LogReplayed(Lasting):
         play_messages(recorded, bench.url)
         time.sleep(0.2)
         after = bench.status()
+        self.refusals = {status["refusal"] for status in bench.statuses if status["t"] > since}
         if after["refused"] < before["refused"] + 20:
             raise AssertionError(f"nothing of the log was refused: {before} {after}")
         if after["pulse_id"] > before["pulse_id"] or (new_session and after["state"] != "idle"):

@@ -209,7 +209,7 @@ class Processes(unittest.TestCase):
                     begin, _, highest = fault.trial()
                     self.assertGreater(begin, 0)
                     self.assertLessEqual(highest, IDLE)
-                    self.assertRegex(fault.bench.status()["refusal"], "session" if new_session else "old|used before")
+                    self.assertRegex("; ".join(sorted(fault.refusals)), "session" if new_session else "old|used before")
                 finally:
                     fault.close()
 
