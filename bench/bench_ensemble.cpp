@@ -79,7 +79,7 @@ Margins byEnsemble(const rom::VehicleCurves& curves, const vehicle::Vehicle& veh
   result.seconds = INFINITY;
   for (int repeat = 0; repeat < 5; ++repeat) {
     const double begin = cpuSeconds();
-    const auto outcomes = ensemble.predict(c.start, c.pulse.throttle, durations, trial, 0, ensemble.size());
+    const auto outcomes = ensemble.predict(c.start, c.pulse, durations, trial, 0, ensemble.size());
     result.seconds = std::min(result.seconds, (cpuSeconds() - begin) / ensemble.size());
     result.margins.clear();
     for (const auto& outcome : outcomes) result.margins.push_back(outcome.energy_margin);

@@ -18,13 +18,14 @@ SETTLED_SECONDS = 0.3
 class Switch:
     """One pulse that was commanded and what came of it. Times in seconds; NaN or None = not known from the record."""
 
-    def __init__(self, name, start, until, throttle, duration, pulse_id):
+    def __init__(self, name, start, until, throttle, duration, pulse_id, hold=(0.0, 0.0)):
         self.name = name            # "F->Q", "Q->F" or "? (pulse n)"
         self.start = start          # time of the command, since the run's origin
         self.until = until          # end of the watch
         self.throttle = throttle
         self.duration = duration
         self.pulse_id = pulse_id
+        self.hold = hold            # throttle and duration of the level behind the pulse
         self.plan = None            # dict of the plan's columns
         self.true = None            # Motion of the true vehicle
         self.estimate_seconds = math.nan  # command -> estimated mode reached the target for good
@@ -45,6 +46,11 @@ class Switch:
         if self.true is None or self.target_mode is None or self.true.end_mode is None:
             return None
         return self.true.start_mode == self.start_mode and self.true.end_mode == self.target_mode
+
+    @property
+    def whole(self):
+        """[s] of pulse and hold, which the bridge sends as one."""
+        return self.duration + self.hold[1]
 
 
 class Motion:
@@ -97,8 +103,9 @@ def find_switches(run):
         following = pulses["time"][index + 1] if index + 1 < len(pulses["time"]) else math.inf
         until = min(start + WATCH_SECONDS, following, last_time(run), _hand_takes(run, start),
                     _other_pulse(run, start, pulses["id"][index]))
+        hold = tuple(pulses[name][index] if name in pulses else 0.0 for name in ("hold_throttle", "hold_duration"))
         switch = Switch("? (pulse {})".format(pulses["id"][index]), start, until, pulses["throttle"][index],
-                        pulses["duration"][index], int(pulses["id"][index]))
+                        pulses["duration"][index], int(pulses["id"][index]), hold)
         switch.plan = _plan_of(run, switch)
         switch.true = _true_motion(run, switch)
         switch.name = _name_of(switch)
@@ -377,6 +384,6 @@ def comparison_rows(switch):
     start, end = switch.motors
     rows.append(("delay of the pulse to the motors", "ms", math.nan, math.nan, (start - switch.start) * 1e3))
     rows.append(("pulse at the motors", "ms", switch.duration * 1e3, math.nan, (end - start) * 1e3))
-    rows.append(("pulse on the wire", "ms", switch.duration * 1e3, math.nan,
+    rows.append(("pulse on the wire", "ms", switch.whole * 1e3, math.nan,
                  sent.duration * 1e3 if sent is not None else math.nan))
     return rows

@@ -34,10 +34,13 @@ class CommandLine:
         return self._run(["plan", self.vehicle, "--from", name[0], "--map", map_output, "--map-size", str(map_size),
                           "--json", json_output, "--accidents"], map_output)
 
-    def trajectory(self, name, throttle, duration, output):
-        """Predicted nominal trajectory of a pulse into a CSV file. Returns None, or why it could not be had."""
-        return self._run(["predict", self.vehicle, "--from", name[0], "--throttle", "{:.17g}".format(throttle),
-                          "--duration", "{:.17g}".format(duration), "--csv", output], output)
+    def trajectory(self, name, switch, output):
+        """Predicted nominal trajectory of a switch's pulse into a CSV file. Returns None, or why it could not be had."""
+        values = {"--throttle": switch.throttle, "--duration": switch.duration}
+        if switch.hold[1] > 0:
+            values.update({"--hold-throttle": switch.hold[0], "--hold-duration": switch.hold[1]})
+        numbers = [text for option, value in values.items() for text in (option, "{:.17g}".format(value))]
+        return self._run(["predict", self.vehicle, "--from", name[0], *numbers, "--csv", output], output)
 
     def _run(self, arguments, output):
         command = [self.program] + arguments + self.options

@@ -159,9 +159,9 @@ def missing_notes(inputs, switches):
         if switch.true is not None and switch.true.end_mode is None:
             notes.append("{}: the record ends too soon after the pulse to tell the end mode.".format(switch.name))
         sent = switch.sent
-        if sent is not None and sent.duration < switch.duration - 2 * sent.period:
+        if sent is not None and sent.duration < switch.whole - 2 * sent.period:
             notes.append("{}: the bridge sent the pulse for {:.0f} ms only, {:.0f} ms were commanded.".format(
-                switch.name, sent.duration * 1e3, switch.duration * 1e3))
+                switch.name, sent.duration * 1e3, switch.whole * 1e3))
     if run.has("link_status") and analysis.last_time(run) - run.series["link_status"]["time"][-1] > 0.5:
         notes.append("The bridge's frames end at {:.1f} s, the record at {:.1f} s: the bridge stopped, or its status "
                      "did.".format(run.series["link_status"]["time"][-1], analysis.last_time(run)))

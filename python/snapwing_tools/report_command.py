@@ -186,7 +186,7 @@ def _ask_command_line(made, options, folder):
             _try(made, name, "outcome map", failure, made.maps, lambda: readers.read_outcome_map(stem + "_map.csv"))
             _try(made, name, "list of influences", failure, made.plans, lambda: readers.read_plan(stem + "_plan.json"))
         if name not in made.trajectories and name in pulses:
-            failure = program.trajectory(name, pulses[name].throttle, pulses[name].duration, stem + "_motion.csv")
+            failure = program.trajectory(name, pulses[name], stem + "_motion.csv")
             _try(made, name, "predicted trajectory", failure, made.trajectories,
                  lambda: readers.read_trajectory(stem + "_motion.csv"))
     made.commands += [text.replace(folder + os.sep, "") for text in program.commands]

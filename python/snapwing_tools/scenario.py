@@ -224,25 +224,19 @@ class Scenario:
 
     def note_plan(self, switch, result):
         plan = result.plan
-        switch.throttle, switch.duration = plan.pulse.throttle, plan.pulse.duration
+        switch.throttle, switch.duration, switch.pulse = plan.pulse.throttle, plan.pulse.duration, plan.pulse
         switch.worst_margin, switch.share = plan.worst_margin, plan.share_switched
         switch.realisations, switch.plan_seconds = plan.realisations, plan.compute_seconds
 
     def note_prediction(self, switch):
         """Asks the reduced model itself, as anyone may."""
-        reply = self.call("predict_snap", switch.start, self.pulse(switch), 0.0)
+        reply = self.call("predict_snap", switch.start, switch.pulse, 0.0)
         if not reply.ok:
             raise ScenarioFailure(f"predict_snap: {reply.message}")
         prediction = reply.prediction
         switch.rung, switch.predicted_mode = prediction.rung, prediction.end_mode
         switch.predicted_snap_time, switch.predicted_margin = prediction.snap_time, prediction.energy_margin
         switch.predicted_peak, switch.predicted_least = prediction.peak_travel, prediction.least_travel
-
-    @staticmethod
-    def pulse(switch):
-        message = PulseCommand().pulse
-        message.throttle, message.duration = switch.throttle, switch.duration
-        return message
 
     def note_result(self, switch, result, asked):
         # What the vehicle does shows best a moment after the estimate has settled.

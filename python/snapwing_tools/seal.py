@@ -9,7 +9,7 @@ import struct
 
 from snapwing_tools.errors import InputError
 
-LABEL = b"snapwing ROS command 1"
+LABEL = b"snapwing ROS command 2"
 
 
 def load_key(path):
@@ -35,8 +35,9 @@ def reset_content():
     return b"reset\0"
 
 
-def pulse_content(number, throttle, duration, mixed=False, pitch=0.0):
-    return b"pulse\0" + struct.pack("<IddBd", number, throttle, duration, bool(mixed), pitch)
+def pulse_content(number, throttle, duration, mixed=False, pitch=0.0, hold=(0.0, 0.0)):
+    """@param hold  throttle and duration [s] of the second level"""
+    return b"pulse\0" + struct.pack("<IddddBd", number, throttle, duration, *hold, bool(mixed), pitch)
 
 
 def code(key, vehicle_id, content, session, status_number, nonce):

@@ -9,8 +9,8 @@ namespace snapwing::link {
 namespace {
 
 constexpr double MIN_GAP = 0.007;  ///< [s] between two frames; SBUS receivers know no faster stream
-/// [s] before a pulse's end in which no other frame of it leaves: the controller serves a command in 10.4 ms, and the
-/// last frame must not wait behind another.
+/// [s] before a pulse's end, or its hold's begin, in which no other frame of it leaves: the controller serves a command
+/// in 10.4 ms, and the frame that changes the throttle must not wait behind another.
 constexpr double QUIET_END = 0.0115;
 constexpr double TIME_SLACK = 1e-6;   ///< [s] rounding of the timer
 constexpr double SLOW_ANSWER = 0.1;   ///< [s] of a controller that is not silent, but late
@@ -99,8 +99,11 @@ Refusal BridgeCore::checkEcho(const Stamp& stamp, double now, std::int64_t& deta
 
 Refusal BridgeCore::checkPulse(const PulseCommand& command, double now, std::int64_t& detail) const {
   detail = 0;
-  const bool sound = within(command.throttle, 0.0, settings_.max_throttle) && command.duration > 0.0 &&
-                     command.duration <= settings_.max_pulse &&
+  const bool holds = command.hold_duration != 0.0 || command.hold_throttle != 0.0;
+  const bool hold_sound = !holds || (command.hold_duration > 0.0 && command.hold_throttle > 0.0 &&
+                                     command.hold_throttle <= settings_.max_throttle);
+  const bool sound = within(command.throttle, 0.0, settings_.max_throttle) && command.duration > 0.0 && hold_sound &&
+                     command.whole() <= settings_.max_pulse &&
                      (!command.mixed || within(std::abs(command.pitch), 0.0, std::max(settings_.max_pitch, 1e-12)));
   if (command.mixed && settings_.max_pitch <= 0.0) return Refusal::MIXED_NOT_ALLOWED;
   if (!sound) return Refusal::BAD_VALUE;
@@ -337,7 +340,7 @@ void BridgeCore::advancePulse(double now) {
     status_.state = BridgeState::PULSE;
     pulse_begun_ = false;
     latest_start_ = pending_.stamp.time + std::min(settings_.max_age, pending_.stamp.expiry);
-    pulse_end_ = latest_start_ + pending_.duration;
+    endFrom(latest_start_);
   }
   if (status_.state != BridgeState::PULSE || pulse_begun_) return;
   pulse_start_ = now;
@@ -347,15 +350,26 @@ void BridgeCore::advancePulse(double now) {
   refuse(Refusal::STALE, micros(now - pending_.stamp.time));
 }
 
+void BridgeCore::endFrom(double start) {
+  hold_start_ = start + pending_.duration;
+  pulse_end_ = start + pending_.whole();
+}
+
 void BridgeCore::beginPulse(double now) {
   pulse_begun_ = true;
   pulse_start_ = now;
-  pulse_end_ = std::min(now, latest_start_) + pending_.duration;
+  endFrom(std::min(now, latest_start_));
   noteLatency(now - sentTime(pending_.stamp, now));
   schedule(now);
 }
 
-bool BridgeCore::endsWithin(double seconds, double now) const { return inPulse() && pulse_end_ - now < seconds; }
+bool BridgeCore::inHold(double now) const { return now >= hold_start_ - TIME_SLACK; }
+
+double BridgeCore::nextChange(double now) const { return inHold(now) ? pulse_end_ : hold_start_; }
+
+bool BridgeCore::changesWithin(double seconds, double now) const {
+  return inPulse() && nextChange(now) - now < seconds;
+}
 
 void BridgeCore::noteLatency(double age) {
   count(status_.latency_histogram, std::max(age, 0.0));
@@ -370,9 +384,10 @@ void BridgeCore::composeChannels(double now) {
   if (status_.state == BridgeState::PULSE) {
     const double rise = settings_.throttle_rise;
     const double ceiling = rise > 0.0 ? (now - pulse_start_ + settings_.frame_period) / rise : 1.0;
-    status_.commanded_throttle = std::clamp(pending_.throttle, 0.0, std::min(settings_.max_throttle, ceiling));
+    const double wanted = inHold(now) ? pending_.hold_throttle : pending_.throttle;
+    status_.commanded_throttle = std::clamp(wanted, 0.0, std::min(settings_.max_throttle, ceiling));
     status_.channels.us[THROTTLE] = travelToMicroseconds(status_.commanded_throttle, settings_.throttle);
-    if (pending_.mixed) {
+    if (pending_.mixed && !inHold(now)) {
       status_.channels.us[PITCH] =
           stickToMicroseconds(std::clamp(pending_.pitch, -settings_.max_pitch, settings_.max_pitch));
     }
@@ -385,7 +400,8 @@ void BridgeCore::schedule(double now) {
   double next = std::min(next_frame_, now) + period;  // a hurried frame starts the grid anew
   while (next < now + 0.5 * period) next += period;   // late: skip grid points, never send a burst
   const double quiet = status_.controller.readback ? QUIET_END : MIN_GAP;
-  if (status_.state == BridgeState::PULSE && next > pulse_end_ - quiet) next = std::max(pulse_end_, now + MIN_GAP);
+  const double change = nextChange(now);
+  if (status_.state == BridgeState::PULSE && next > change - quiet) next = std::max(change, now + MIN_GAP);
   next_frame_ = next;
   wanted_period_ = next - now;
 }

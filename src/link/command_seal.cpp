@@ -9,7 +9,7 @@
 namespace snapwing::link {
 namespace {
 
-constexpr char LABEL[] = "snapwing ROS command 1";
+constexpr char LABEL[] = "snapwing ROS command 2";
 
 /// Appends the value's bytes, little endian.
 template <class Value>
@@ -32,13 +32,15 @@ std::string armContent(bool arm) {
 
 std::string resetContent() { return verb("reset"); }
 
-std::string pulseContent(std::uint32_t id, double throttle, double duration, bool mixed, double pitch) {
+std::string pulseContent(std::uint32_t id, const PulseShape& shape) {
   std::string content = verb("pulse");
   put(content, id);
-  put(content, throttle);
-  put(content, duration);
-  put(content, static_cast<std::uint8_t>(mixed ? 1 : 0));
-  put(content, pitch);
+  put(content, shape.throttle);
+  put(content, shape.duration);
+  put(content, shape.hold_throttle);
+  put(content, shape.hold_duration);
+  put(content, static_cast<std::uint8_t>(shape.mixed ? 1 : 0));
+  put(content, shape.pitch);
   return content;
 }
 

@@ -51,6 +51,8 @@ bool fromLcm(const snapwing_lcm::pulse_command_t& in, PulseCommand& out) {
   out.pulse_id = in.pulse_id;
   out.throttle = in.throttle;
   out.duration = in.duration;
+  out.hold_throttle = in.hold_throttle;
+  out.hold_duration = in.hold_duration;
   out.pitch = in.pitch;
   out.mixed = in.mixed != 0;
   return fromLcm(in.stamp, out.stamp);
@@ -62,6 +64,8 @@ snapwing_lcm::pulse_command_t toLcm(const PulseCommand& in) {
   out.pulse_id = in.pulse_id;
   out.throttle = in.throttle;
   out.duration = in.duration;
+  out.hold_throttle = in.hold_throttle;
+  out.hold_duration = in.hold_duration;
   out.pitch = in.pitch;
   out.mixed = in.mixed ? 1 : 0;
   return out;

@@ -209,13 +209,8 @@ bool OperatorLink::send(const char* channel, const Message& message) {
   return !bytes.empty() && socket_.publish(channel, bytes.data(), bytes.size());
 }
 
-bool OperatorLink::sendPulse(std::int64_t pulse_id, double throttle, double duration, double pitch, bool mixed) {
-  PulseCommand command;
-  command.pulse_id = pulse_id;
-  command.throttle = throttle;
-  command.duration = duration;
-  command.pitch = pitch;
-  command.mixed = mixed;
+bool OperatorLink::sendPulse(std::int64_t pulse_id, const PulseShape& shape) {
+  PulseCommand command{shape, {}, pulse_id};
   if (!stamp(command.stamp, pulse_number_) || aborting()) {
     ++counters_.not_sent;
     return false;

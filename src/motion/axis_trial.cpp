@@ -95,7 +95,7 @@ AxisTrial AxisTrial::of(vehicle::Mode start, double fraction, double duration,
 
 std::vector<double> AxisTrial::changes() const {
   std::vector<double> out = {latency, latency + duration};
-  for (const ThrustLevel& level : then) out.push_back(out.back() + level.duration);
+  for (const vehicle::ThrustLevel& level : then) out.push_back(out.back() + level.duration);
   return out;
 }
 

@@ -79,7 +79,7 @@ BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pul
     common::parallelFor((count + LANES - 1) / LANES, threads, [&](int block) {
       const int begin = block * LANES;
       const auto some =
-          ensemble_.predict(start, pulse.throttle, durations, trial, first + begin, std::min(LANES, count - begin));
+          ensemble_.predict(start, pulse, durations, trial, first + begin, std::min(LANES, count - begin));
       std::copy(some.begin(), some.end(), found.begin() + begin);
     });
     for (int i = 0; i < count; ++i) {

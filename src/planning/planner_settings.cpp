@@ -23,6 +23,7 @@ void requireBounds(const std::string& quantity, double min, double max, double m
 void PlannerSettings::validate() const {
   requireBounds("throttle", throttle_min, throttle_max, 1, "");
   requireBounds("duration", duration_min, duration_max, 10, " s");
+  pulse(vehicle::Mode::FIXED_WING, throttle_max, duration_max).validateHold();
   require(scan_throttles >= 2 && scan_throttles <= 1000, "scan_throttles", scan_throttles, "2 .. 1000");
   require(scan_durations >= 2 && scan_durations <= 1000, "scan_durations", scan_durations, "2 .. 1000");
   require(search_samples >= 1 && search_samples <= 100000, "search_samples", search_samples, "1 .. 100000");

@@ -109,7 +109,9 @@ std::vector<std::string> plannerCoordinateNames() {
 
 vehicle::Pulse receivedPulse(const vehicle::Pulse& pulse, const PlannerSettings& settings, const vehicle::Radio& radio,
                              double length_error) {
-  return {pulse.throttle, std::max(0.0, pulse.duration + length_error * settings.frame_jitter / radio.frame_rate)};
+  vehicle::Pulse received = pulse;
+  received.duration = std::max(0.0, pulse.duration + length_error * settings.frame_jitter / radio.frame_rate);
+  return received;
 }
 
 PulsePlanner::PulsePlanner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
@@ -185,7 +187,7 @@ OutcomeMap PulsePlanner::map(vehicle::Mode start, const vehicle::Trial& trial, i
   std::mutex telling;
   int done = 0;
   common::parallelFor(throttles * durations, s.threads, [&](int k) {
-    const vehicle::Pulse pulse{map.throttles[k / durations], map.durations[k % durations]};
+    const vehicle::Pulse pulse = s.pulse(start, map.throttles[k / durations], map.durations[k % durations]);
     const BoxEnsembleOutcome outcome = ensemble.tryPulse(start, pulse, trial, -INFINITY, 1);
     map.cells[k] = {pulse.throttle, pulse.duration, static_cast<double>(outcome.switched) / outcome.tried,
                     outcome.worst};

@@ -41,7 +41,7 @@ void PulseSearch::scan() {
     std::vector<BoxEnsembleOutcome> outcomes(s.scan_durations);
     const double throttle = gridValue(s.throttle_max, s.throttle_min, row, s.scan_throttles);
     const auto pulseAt = [&](int j) {
-      return vehicle::Pulse{throttle, gridValue(s.duration_min, s.duration_max, j, s.scan_durations)};
+      return s.pulse(start_, throttle, gridValue(s.duration_min, s.duration_max, j, s.scan_durations));
     };
     common::parallelFor(s.scan_durations, s.threads,
                         [&](int j) { outcomes[j] = ensemble_.tryPulse(start_, pulseAt(j), trial_, give_up, 1); });
@@ -59,7 +59,7 @@ void PulseSearch::scan() {
 }
 
 vehicle::Pulse PulseSearch::bestCandidate() {
-  vehicle::Pulse best{settings_.throttle_max, settings_.duration_max};
+  vehicle::Pulse best = settings_.pulse(start_, settings_.throttle_max, settings_.duration_max);
   double best_value = -INFINITY;
   for (const vehicle::Pulse& pulse : candidates_) {
     const BoxEnsembleOutcome outcome = ensemble_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
@@ -108,7 +108,7 @@ vehicle::Pulse PulseSearch::refine(const vehicle::Pulse& from) {
         auto& c = *static_cast<Closure*>(data);
         PulseSearch& search = *c.search;
         if (search.cancelled()) c.optimiser->force_stop();
-        const vehicle::Pulse pulse{x[0], x[1]};
+        const vehicle::Pulse pulse = search.settings_.pulse(search.start_, x[0], x[1]);
         const BoxEnsembleOutcome outcome =
             search.ensemble_.tryPulse(search.start_, pulse, search.trial_, -INFINITY, search.settings_.threads);
         ++search.evaluations_;

@@ -29,9 +29,10 @@ struct Ensemble::Data {
 
   Data(const VehicleCurves& of, const vehicle::Radio& with, const EnsembleSettings& s);
   const BranchTable& branchesOf(bool wings) const;
-  EnsembleOutcome askAgain(int vehicle, vehicle::Mode start, double throttle, const std::vector<double>& durations,
+  EnsembleOutcome askAgain(int vehicle, vehicle::Mode start, vehicle::Pulse pulse, const std::vector<double>& durations,
                            const vehicle::Trial& trial) const;
-  EnsembleScene sceneOf(vehicle::Mode start, const std::vector<double>& durations, const vehicle::Trial& trial) const;
+  EnsembleScene sceneOf(vehicle::Mode start, double hold, const std::vector<double>& durations,
+                        const vehicle::Trial& trial) const;
 };
 
 namespace {
@@ -73,9 +74,10 @@ int Ensemble::size() const { return static_cast<int>(data_->vehicles.size()); }
 namespace {
 
 void setLane(const vehicle::VehicleParameters& p, const vehicle::Radio& radio, const vehicle::Trial& trial,
-             double throttle, double duration, int l, EnsembleBlock* a) {
+             const vehicle::Pulse& pulse, double duration, int l, EnsembleBlock* a) {
   const bool boom = trial.mount == vehicle::Mount::BOOM, held = trial.mount == vehicle::Mount::HELD;
-  const double idle = vehicle::thrustFraction(p.quadratic_share, radio, 0.0);
+  const auto thrustOf = [&](double throttle) { return vehicle::thrustFraction(p.quadratic_share, radio, throttle); };
+  const double idle = thrustOf(0.0);
   a->ring_mass.lane[l] = p.ring_mass + (boom ? p.boom_mass : 0.0);
   a->centre_mass.lane[l] = p.centre_mass;
   a->all.lane[l] = a->ring_mass.lane[l] + p.centre_mass;
@@ -92,9 +94,11 @@ void setLane(const vehicle::VehicleParameters& p, const vehicle::Radio& radio, c
   a->wing_inertia.lane[l] = p.wing_inertia;
   a->wing_friction.lane[l] = p.wing_friction;
   a->before.lane[l] = trial.initial_thrust_fraction.value_or(idle);
-  a->during.lane[l] = vehicle::thrustFraction(p.quadratic_share, radio, throttle);
+  a->during.lane[l] = thrustOf(pulse.throttle);
+  a->hold.lane[l] = thrustOf(pulse.hold_throttle);
   a->after.lane[l] = trial.final_thrust_fraction.value_or(idle);
   a->duration.lane[l] = duration;
+  a->hold_duration.lane[l] = pulse.hold_duration;
 }
 
 }  // namespace
@@ -113,7 +117,7 @@ const BranchTable& Ensemble::Data::branchesOf(bool wings) const {
   return *table;
 }
 
-EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const std::vector<double>& durations,
+EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, double hold, const std::vector<double>& durations,
                                       const vehicle::Trial& trial) const {
   const bool wings = wingsAct(trial, curves.wing() != nullptr);
   EnsembleScene scene{grid.view(), branchesOf(wings).view(), curves.spline().equilibria(), start};
@@ -127,42 +131,44 @@ EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const std::vector<dou
   scene.horizon = trial.horizon;
   scene.friction_speed = settings.model.friction_speed;
   scene.settled_share = settings.model.settled_share;
-  double lengths[3] = {0, 0, trial.horizon};
+  double lengths[EnsembleScene::PARTS] = {0, 0, hold, trial.horizon};
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     lengths[0] = std::max(lengths[0], vehicles[i].latency);
     lengths[1] = std::max(lengths[1], durations[i]);
   }
-  for (int k = 0; k < 3; ++k) scene.steps[k] = static_cast<int>(std::ceil(lengths[k] / settings.model.step - 1e-9));
+  for (int k = 0; k < EnsembleScene::PARTS; ++k)
+    scene.steps[k] = static_cast<int>(std::ceil(lengths[k] / settings.model.step - 1e-9));
   return scene;
 }
 
-EnsembleOutcome Ensemble::Data::askAgain(int vehicle, vehicle::Mode start, double throttle,
+EnsembleOutcome Ensemble::Data::askAgain(int vehicle, vehicle::Mode start, vehicle::Pulse pulse,
                                          const std::vector<double>& durations, const vehicle::Trial& trial) const {
   LumpedSettings s = settings.model;
   s.step = std::min(s.step, 1e-3);
-  const SnapPrediction told =
-      curves.model(radio, vehicles[vehicle], s).predict(start, {throttle, durations[vehicle]}, radio, trial);
+  pulse.duration = durations[vehicle];
+  const SnapPrediction told = curves.model(radio, vehicles[vehicle], s).predict(start, pulse, radio, trial);
   return {told.energy_margin, told.peak_travel, told.snapped};
 }
 
-std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throttle,
+std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, const vehicle::Pulse& pulse,
                                                const std::vector<double>& durations, const vehicle::Trial& trial,
                                                int first, int count) const {
   const Data& d = *data_;
   trial.validate();
   if (start == vehicle::Mode::UNKNOWN) throw common::Error("ensemble: the start mode is unknown; allowed: F or Q");
-  require(throttle >= 0 && throttle <= 1, "throttle", throttle, "0 .. 1");
+  require(pulse.throttle >= 0 && pulse.throttle <= 1, "throttle", pulse.throttle, "0 .. 1");
+  pulse.validateHold();
   require(durations.size() == d.vehicles.size(), "number of durations", durations.size(), "one per vehicle");
   require(first >= 0 && count >= 0 && first + count <= size(), "end of the range", first + count, "up to the size");
   for (const double duration : durations) require(duration >= 0 && duration <= 60, "duration", duration, "0 .. 60 s");
-  const EnsembleScene scene = d.sceneOf(start, durations, trial);
+  const EnsembleScene scene = d.sceneOf(start, pulse.hold_duration, durations, trial);
   std::vector<EnsembleOutcome> outcomes(count);
   const RunBlock run = d.settings.vectors == Vectors::PLAIN ? runBlockPlain : widestRunBlock();
   for (int begin = 0; begin < count; begin += LANES) {
     EnsembleBlock block;
     for (int l = 0; l < LANES; ++l) {
       const int i = first + std::min(begin + l, count - 1);
-      setLane(d.vehicles[i], d.radio, trial, throttle, durations[i], l, &block);
+      setLane(d.vehicles[i], d.radio, trial, pulse, durations[i], l, &block);
     }
     EnsembleResult result;
     run(scene, block, &result);
@@ -171,7 +177,7 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, double throt
       out = {result.margin.lane[l], result.peak_travel.lane[l], result.snapped.lane[l] != 0};
       // No number: too violent for explicit steps. The implicit integrator is asked.
       const bool lost = !std::isfinite(out.energy_margin) || !std::isfinite(out.peak_travel);
-      if (lost) out = d.askAgain(first + begin + l, start, throttle, durations, trial);
+      if (lost) out = d.askAgain(first + begin + l, start, pulse, durations, trial);
     }
   }
   return outcomes;

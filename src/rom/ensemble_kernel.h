@@ -190,9 +190,9 @@ void runLanes(const EnsembleScene& s, const EnsembleBlock& block, EnsembleResult
   x.u = select(held, x.u, select(start, Real(s.equilibria.second), Real(s.equilibria.first)));
   Watch<ARMS, WINGS> watch(s, a, x.u, load);
 
-  const Real lengths[3] = {a.latency, a.duration, Real(s.horizon)};
-  const Real demands[3] = {a.before, a.during, a.after};
-  for (int part = 0; part < 3; ++part) {
+  const Real lengths[] = {a.latency, a.duration, a.hold_duration, Real(s.horizon)};
+  const Real demands[] = {a.before, a.during, a.hold, a.after};
+  for (int part = 0; part < EnsembleScene::PARTS; ++part) {
     const int count = s.steps[part];
     if (count == 0) continue;
     const Real dt = most(lengths[part] / static_cast<double>(count), Real(1e-12));
@@ -212,7 +212,7 @@ void runLanes(const EnsembleScene& s, const EnsembleBlock& block, EnsembleResult
       step.to = x;
       step.load_to = load;
       watch.add(step);
-      if (part < 2 || (i % LOOK_EVERY != LOOK_EVERY - 1 && i + 1 < count)) continue;
+      if (part + 1 < EnsembleScene::PARTS || (i % LOOK_EVERY != LOOK_EVERY - 1 && i + 1 < count)) continue;
       watch.look(step, thrust, ring);
       if (all(watch.done)) break;
     }

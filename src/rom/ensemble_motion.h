@@ -8,7 +8,8 @@ namespace snapwing::rom::SNAPWING_WIDTH {
 /// EnsembleBlock in vectors.
 struct Vehicles {
   Real ring_mass, centre_mass, all, all_inverse, force_scale, damping, max_thrust, time_up, time_down, latency;
-  Real ring_drag, centre_drag, boom_friction, wing_inertia, wing_friction, before, during, after, duration;
+  Real ring_drag, centre_drag, boom_friction, wing_inertia, wing_friction, before, during, hold, after, duration,
+      hold_duration;
   explicit Vehicles(const EnsembleBlock& b)
       : ring_mass(b.ring_mass),
         centre_mass(b.centre_mass),
@@ -27,8 +28,10 @@ struct Vehicles {
         wing_friction(b.wing_friction),
         before(b.before),
         during(b.during),
+        hold(b.hold),
         after(b.after),
-        duration(b.duration) {}
+        duration(b.duration),
+        hold_duration(b.hold_duration) {}
 };
 
 struct Place {

@@ -18,8 +18,8 @@ struct EnsembleBlock {
   EightReals force_scale, damping, max_thrust, time_up, time_down, latency;
   EightReals ring_drag, centre_drag, boom_friction;
   EightReals wing_inertia, wing_friction;
-  EightReals before, during, after;  ///< steady thrust / full thrust
-  EightReals duration;               ///< [s] of the pulse
+  EightReals before, during, hold, after;  ///< steady thrust / full thrust
+  EightReals duration, hold_duration;      ///< [s] of the pulse, and of the level behind it
 };
 
 /// UniformCurves and BranchTable as plain numbers and pointers.
@@ -45,7 +45,8 @@ struct EnsembleScene {
   bool held = false, on_boom = false, arms = false, wings = false;
   double gravity = 0, push = 0, initial_speed = 0, horizon = 0;
   double friction_speed = 0, settled_share = 0;
-  int steps[3] = {0, 0, 0};  ///< before, during and after the pulse
+  static constexpr int PARTS = 4;
+  int steps[PARTS] = {0, 0, 0, 0};  ///< before the pulse, during it, in its hold, and after
 };
 
 struct EnsembleResult {

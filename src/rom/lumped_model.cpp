@@ -153,14 +153,30 @@ LumpedState LumpedModel::startState(vehicle::Mode mode, const vehicle::Trial& tr
 
 SnapPrediction LumpedModel::predict(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Radio& radio,
                                     const vehicle::Trial& trial, const LumpedObserver& observer) const {
-  return predict(start, thrustFraction(radio, pulse.throttle), pulse.duration, trial, observer);
+  pulse.validateHold();
+  const double hold = pulse.hold_duration > 0 ? thrustFraction(radio, pulse.hold_throttle) : 0.0;
+  return predictLevels(start, {thrustFraction(radio, pulse.throttle), pulse.duration}, {hold, pulse.hold_duration},
+                       trial, observer);
 }
 
 SnapPrediction LumpedModel::predict(vehicle::Mode start, double fraction, double duration, const vehicle::Trial& trial,
                                     const LumpedObserver& observer) const {
+  return predictLevels(start, {fraction, duration}, {}, trial, observer);
+}
+
+namespace {
+void requireLevel(const std::string& prefix, const vehicle::ThrustLevel& level) {
+  require(level.fraction >= 0 && level.fraction <= 1, prefix + "thrust fraction", level.fraction, "0 .. 1");
+  require(level.duration >= 0 && level.duration <= 60, prefix + "duration", level.duration, "0 .. 60 s");
+}
+}  // namespace
+
+SnapPrediction LumpedModel::predictLevels(vehicle::Mode start, const vehicle::ThrustLevel& pulse,
+                                          const vehicle::ThrustLevel& hold, const vehicle::Trial& trial,
+                                          const LumpedObserver& observer) const {
   trial.validate();
-  require(fraction >= 0 && fraction <= 1, "thrust fraction", fraction, "0 .. 1");
-  require(duration >= 0 && duration <= 60, "duration", duration, "0 .. 60 s");
+  requireLevel("", pulse);
+  requireLevel("hold ", hold);
   SnapPrediction out;
   LumpedState state = startState(start, trial, &out.start_held);
   out.start_mode = start;
@@ -168,13 +184,14 @@ SnapPrediction LumpedModel::predict(vehicle::Mode start, double fraction, double
   MarginWatch watch(*this, trial, start, state);
   if (observer) observer(state);
 
-  const double begin = parameters_.latency, end = begin + duration;
+  const double begin = parameters_.latency, change = begin + pulse.duration, end = change + hold.duration;
   const double last_demand = trial.final_thrust_fraction.value_or(idle_fraction_);
   struct Segment {
     double until, demand;
   };
-  const std::array<Segment, 3> segments = {{{begin, trial.initial_thrust_fraction.value_or(idle_fraction_)},
-                                            {end, fraction},
+  const std::array<Segment, 4> segments = {{{begin, trial.initial_thrust_fraction.value_or(idle_fraction_)},
+                                            {change, pulse.fraction},
+                                            {end, hold.fraction},
                                             {end + trial.horizon, last_demand}}};
   bool settled = false, stopped = false;
   for (const Segment& segment : segments) {

@@ -35,10 +35,14 @@ ThrustPulse toMessage(const vehicle::Pulse& pulse) {
   ThrustPulse message;
   message.throttle = pulse.throttle;
   message.duration = pulse.duration;
+  message.hold_throttle = pulse.hold_throttle;
+  message.hold_duration = pulse.hold_duration;
   return message;
 }
 
-vehicle::Pulse fromMessage(const ThrustPulse& message) { return {message.throttle, message.duration}; }
+vehicle::Pulse fromMessage(const ThrustPulse& message) {
+  return {message.throttle, message.duration, message.hold_throttle, message.hold_duration};
+}
 
 std::uint8_t toMessage(vehicle::Mode mode) { return static_cast<std::uint8_t>(mode); }
 

@@ -203,16 +203,15 @@ link::ArmingAnswer LinkWorker::carryOut(Request request, const link::CommandSeal
   return slip->done ? slip->answer : link::ArmingAnswer{false, "no answer from this node's link thread"};
 }
 
-void LinkWorker::pulse(const LinkPulse& pulse, const link::CommandSeal& seal) {
-  post([this, pulse, seal] {
-    const std::string name = "pulse " + std::to_string(pulse.id);
-    const std::string content = link::pulseContent(pulse.id, pulse.throttle, pulse.duration, pulse.mixed, pulse.pitch);
-    std::string why = door_.judge(content, seal, settings_.pulse_age, link::monotonicSeconds());
+void LinkWorker::pulse(std::uint32_t id, const link::PulseShape& shape, const link::CommandSeal& seal) {
+  post([this, id, shape, seal] {
+    const std::string name = "pulse " + std::to_string(id);
+    std::string why = door_.judge(link::pulseContent(id, shape), seal, settings_.pulse_age, link::monotonicSeconds());
     if (why.empty()) why = scaleTrouble();
     if (!why.empty()) return refused(name, why);
-    if (pulse.id == last_pulse_) return;  // the planner's repetition of one that went on its way
-    if (link_.sendPulse(pulse.id, pulse.throttle, pulse.duration, pulse.pitch, pulse.mixed)) {
-      last_pulse_ = pulse.id;
+    if (id == last_pulse_) return;  // the planner's repetition of one that went on its way
+    if (link_.sendPulse(id, shape)) {
+      last_pulse_ = id;
     } else {
       refused(name, link_.aborting() ? "an abort is under way" : "no radio bridge heard");
     }

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "numbers.h"
 #include "prediction_text.h"
+#include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/planning/accident_margins.h"
 #include "snapwing/planning/pulse_planner.h"
@@ -42,9 +43,9 @@ void printPlan(const planning::TransitionPlan& plan) {
     std::printf("refused: %s\n", plan.reason.c_str());
     if (plan.realisations == 0) return;
   } else {
-    std::printf("plan %s -> %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n",
+    std::printf("plan %s -> %s: throttle %.3f (%.1f %% of full thrust) %s\n",
                 vehicle::modeName(plan.start_mode).c_str(), vehicle::modeName(plan.target_mode).c_str(),
-                plan.pulse.throttle, 100.0 * plan.thrust_fraction, plan.pulse.duration);
+                plan.pulse.throttle, 100.0 * plan.thrust_fraction, pulseTimes(plan.pulse).c_str());
   }
   std::printf("worst margin %+.3f, %.1f %% of %d vehicles switch; %d pulses, %ld trials in %.2f s\n", plan.worst_margin,
               100.0 * plan.share_switched, plan.realisations, plan.evaluations, plan.predictions, plan.compute_seconds);
@@ -84,6 +85,10 @@ int plan(const PlanOptions& options) {
   checkFiles(vehicle, table_file, {{options.json_file, "--json"}, {options.map_file, "--map"}});
   const vehicle::ForceTable table = vehicle::armTableOf(vehicle, options.table_file);
   const vehicle::Mode start = vehicle::modeFromName(options.start);
+  if (start != vehicle::Mode::FIXED_WING && options.settings.hold_duration > 0) {
+    throw common::Error("--hold-duration is given with --from " + options.start +
+                        "; allowed: with --from F only, F is reached by a cut");
+  }
   const vehicle::Trial trial = options.trial.trial(vehicle);
   const std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, table);
   const planning::PulsePlanner planner(vehicle, table, options.settings, wing);
@@ -112,6 +117,7 @@ void addPlanCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("plan", "find the pulse that switches the mode for the whole uncertainty");
   command->add_option("vehicle", options->vehicle_file, "vehicle file [YAML]")->required();
   command->add_option("--from", options->start, "mode at the start: F or Q")->required();
+  addHoldTo(*command, s.hold_throttle, s.hold_duration);
   options->trial.addTo(*command);
   command->add_option("--table", options->table_file, "force table [HDF5]; default: the vehicle file's");
   command->add_option("--samples", s.verify_samples, "fresh vehicles that check the plan")

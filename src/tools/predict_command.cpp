@@ -55,10 +55,10 @@ int predict(const PredictOptions& options) {
   const vehicle::Trial trial = options.trial.trial(vehicle);
   rom::LumpedSettings settings;
   settings.step = options.step;
-  const double steps = (options.pulse.duration + trial.horizon) / options.step;
+  const double steps = (options.pulse.whole() + trial.horizon) / options.step;
   if (steps > LARGEST_COUNT) {
     throw common::Error("--step makes " + std::to_string(std::llround(steps)) +
-                        " steps of --duration and --horizon; "
+                        " steps of the pulse and --horizon; "
                         "allowed: at most " +
                         std::to_string(LARGEST_COUNT));
   }
@@ -85,9 +85,9 @@ int predict(const PredictOptions& options) {
                                    {"prediction", validation::predictionJson(prediction)}};
     common::writeFileAtomically(options.json_file, common::jsonText(json));
   }
-  std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) for %.3f s\n", vehicle.name.c_str(),
+  std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) %s\n", vehicle.name.c_str(),
               vehicle::mountName(trial.mount).c_str(), model.wingsAct(trial) ? "on" : "off", options.pulse.throttle,
-              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), options.pulse.duration);
+              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), pulseTimes(options.pulse).c_str());
   std::printf("%s\n", predictionLine(prediction).c_str());
   if (!prediction.start_held)
     std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());
@@ -107,6 +107,7 @@ void addPredictCommand(CLI::App& app, int& exit_code) {
   command->add_option("--duration", options->pulse.duration, "of the command [s]")
       ->required()
       ->check(realNumber(0, 60, "s"));
+  addHoldTo(*command, options->pulse.hold_throttle, options->pulse.hold_duration);
   options->trial.addTo(*command);
   command->add_option("--table", options->table_file, "force table [HDF5]; default: the vehicle file's");
   command->add_option("--step", options->step, "largest time step [s]")

@@ -105,6 +105,11 @@ PlanFile loadPlan(const std::string& path) {
   out.file = path;
   out.start = vehicle::modeFromName(plan.text("start_mode"));
   out.pulse = {pulse.number("throttle", 0, 1, "1"), pulse.number("duration", 0, 60, "s")};
+  if (pulse.has("hold_throttle") || pulse.has("hold_duration")) {
+    out.pulse.hold_throttle = pulse.number("hold_throttle", 0, 1, "1");
+    out.pulse.hold_duration = pulse.number("hold_duration", 0, 60, "s");
+    out.pulse.validateHold();
+  }
   out.trial = readTrial(root.at("trial"));
   out.worst_margin = plan.number("worst_margin", -1e6, 1e6, "barriers");
   out.vehicle_sha256 = inputs.text("vehicle_sha256");

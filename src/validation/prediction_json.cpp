@@ -37,7 +37,12 @@ ordered_json predictionJson(const rom::SnapPrediction& p) {
 }
 
 ordered_json pulseJson(const vehicle::Pulse& pulse) {
-  return {{"throttle", pulse.throttle}, {"duration", pulse.duration}};
+  ordered_json json = {{"throttle", pulse.throttle}, {"duration", pulse.duration}};
+  if (pulse.hold_duration > 0) {
+    json["hold_throttle"] = pulse.hold_throttle;
+    json["hold_duration"] = pulse.hold_duration;
+  }
+  return json;
 }
 
 ordered_json trialJson(const vehicle::Trial& trial) {

@@ -108,8 +108,9 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
 
 RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehicle& solid, double step) const {
   const vehicle::VehicleParameters parameters = parametersOf(trial);
-  const double idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle_.radio, 0);
-  const double fraction = vehicle::thrustFraction(parameters.quadratic_share, vehicle_.radio, trial.pulse.throttle);
+  const auto thrustOf = [&](double throttle) {
+    return vehicle::thrustFraction(parameters.quadratic_share, vehicle_.radio, throttle);
+  };
   motion::StepperSettings steps;
   steps.largest_step = step;
   steps.relative_tolerance = 1e-6;
@@ -118,8 +119,11 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
   motion::AxisRun run;
   motion::AxisRunHooks hooks;
   if (cancelled_) hooks.stepped = [this](const motion::AxisRun&) { return !cancelled_(); };
-  const motion::AxisTrial pulse =
-      motion::AxisTrial::of(trial.start, fraction, trial.pulse.duration, parameters, idle, trial.trial);
+  motion::AxisTrial pulse = motion::AxisTrial::of(trial.start, thrustOf(trial.pulse.throttle), trial.pulse.duration,
+                                                  parameters, thrustOf(0), trial.trial);
+  if (trial.pulse.hold_duration > 0) {
+    pulse.then.push_back({thrustOf(trial.pulse.hold_throttle), trial.pulse.hold_duration});
+  }
   if (!motion::runTrial(solid, stepper, pulse, run, hooks)) throw common::Error("cancelled");
   RungOutcome out;
   const motion::AxisOutcome& o = run.outcome;
@@ -138,8 +142,10 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
 double RungRunner::shortestLumped(const RungTrial& trial) const {
   constexpr double GRID = 0.005, LONGEST = 1.5;
   const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  vehicle::Pulse asked = trial.pulse;
   const auto snaps = [&](double d) {
-    return model.predict(trial.start, {trial.pulse.throttle, d}, vehicle_.radio, trial.trial).snapped;
+    asked.duration = d;
+    return model.predict(trial.start, asked, vehicle_.radio, trial.trial).snapped;
   };
   double first = GRID;
   while (!snaps(first)) {

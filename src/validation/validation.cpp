@@ -111,11 +111,11 @@ std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
   const RungTrial& r = t.trial;
   text << "planar cells keep stiffness;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
        << static_cast<int>(r.start) << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';'
-       << static_cast<int>(r.kernel) << ';' << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';'
-       << vehicle::mountName(r.trial.mount) << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';'
-       << r.trial.initial_speed << ';' << r.trial.push << ';' << r.trial.horizon << ';'
-       << r.trial.initial_thrust_fraction.value_or(-1) << ';' << r.trial.final_thrust_fraction.value_or(-1) << ';'
-       << r.near;
+       << r.pulse.hold_throttle << ';' << r.pulse.hold_duration << ';' << static_cast<int>(r.kernel) << ';'
+       << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount)
+       << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';' << r.trial.initial_speed << ';'
+       << r.trial.push << ';' << r.trial.horizon << ';' << r.trial.initial_thrust_fraction.value_or(-1) << ';'
+       << r.trial.final_thrust_fraction.value_or(-1) << ';' << r.near;
   for (const double x : r.box) text << ';' << x;
   return common::sha256(text.str());
 }

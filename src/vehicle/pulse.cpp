@@ -12,6 +12,14 @@ namespace {
 const common::Require require;
 }  // namespace
 
+void Pulse::validateHold() const {
+  const common::Require hold("pulse");
+  hold.within("hold_duration", hold_duration, 0, 60);
+  hold.within("hold_throttle", hold_throttle, 0, 1);
+  hold((hold_throttle > 0) == (hold_duration > 0), "hold_throttle", hold_throttle,
+       hold_duration > 0 ? "above 0 with a hold_duration" : "0 without a hold_duration");
+}
+
 common::ThrottleScale throttleScale(const Radio& radio) {
   return {radio.throttle_low, radio.throttle_high, radio.min_check, radio.motor_idle, radio.motor_full};
 }

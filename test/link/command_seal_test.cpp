@@ -28,7 +28,7 @@ class Door : public ::testing::Test {
 
   double now_ = 1000.0;
   std::int64_t number_ = 0;
-  std::string content_ = pulseContent(7, 0.9, 0.5, false, 0.0);
+  std::string content_ = pulseContent(7, {0.9, 0.5, 0, 0, 0.0, false});
   CommandSealer sealer_{someKey(1), "a"};
   CommandDoor door_{someKey(1), "a"};
 };
@@ -48,9 +48,11 @@ TEST_F(Door, RefusesWhatHasNoSealOrAWrongOne) {
   EXPECT_NE(judge(bad).find("wrong"), std::string::npos) << "another key";
   bad = CommandSealer(someKey(1), "b").seal(content_, SESSION, number_);
   EXPECT_NE(judge(bad).find("wrong"), std::string::npos) << "another vehicle";
-  for (const std::string& other : {pulseContent(8, 0.9, 0.5, false, 0.0), pulseContent(7, 1.0, 0.5, false, 0.0),
-                                   pulseContent(7, 0.9, 0.6, false, 0.0), pulseContent(7, 0.9, 0.5, true, 0.0),
-                                   pulseContent(7, 0.9, 0.5, false, 0.1), armContent(true), resetContent()}) {
+  for (const std::string& other :
+       {pulseContent(8, {0.9, 0.5, 0, 0, 0.0, false}), pulseContent(7, {1.0, 0.5, 0, 0, 0.0, false}),
+        pulseContent(7, {0.9, 0.6, 0, 0, 0.0, false}), pulseContent(7, {0.9, 0.5, 0, 0, 0.0, true}),
+        pulseContent(7, {0.9, 0.5, 0, 0, 0.1, false}), pulseContent(7, {0.9, 0.5, 0.2, 0, 0.0, false}),
+        pulseContent(7, {0.9, 0.5, 0, 0.2, 0.0, false}), armContent(true), resetContent()}) {
     EXPECT_NE(door_.judge(other, seal(), MAX_AGE, now_).find("wrong"), std::string::npos);
   }
   for (std::size_t part = 0; part < 4; ++part) {
@@ -83,21 +85,21 @@ TEST_F(Door, RefusesWhatIsOldRecordedOrFromAnotherRun) {
 
 /// The same bytes as python/snapwing_tools/seal.py makes (test/python/test_seal.py).
 TEST_F(Door, CodeIsTheAgreedOne) {
-  const std::string content = pulseContent(7, 0.9, 0.5, true, -0.25);
+  const std::string content = pulseContent(7, {0.9, 0.5, 0.2, 1.3, -0.25, true});
   CommandSeal seal{SESSION, 5, 6, {}};
   const Key key = someKey(1);
   std::string when;
   for (const std::int64_t value : {seal.session, seal.status_number, seal.nonce}) {
     for (int i = 0; i < 8; ++i) when += static_cast<char>(value >> 8 * i & 0xFF);
   }
-  const auto code = authenticationCode(key, "snapwing ROS command 1", {"a", content, when});
+  const auto code = authenticationCode(key, "snapwing ROS command 2", {"a", content, when});
   std::string hex;
   for (const std::uint8_t byte : code) {
     char two[3];
     std::snprintf(two, sizeof two, "%02x", byte);
     hex += two;
   }
-  EXPECT_EQ(hex, "a65476874812b036d70e77e27a2509bbf5f449ffde2f696e950b01d7a2650210");
+  EXPECT_EQ(hex, "ce753d3c840d3721a19f6dd363942d2cf8d6987d7918df33118c392b68cd5cc9");
   seal.code = code;
   door_.noteStatus(SESSION, 5, now_);
   EXPECT_EQ(door_.judge(content, seal, MAX_AGE, now_), "");

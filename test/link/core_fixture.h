@@ -37,6 +37,12 @@ class Core : public ::testing::Test {
     command.duration = duration;
     return command;
   }
+  PulseCommand held(std::int64_t id, double throttle, double duration, double hold_throttle, double hold_duration) {
+    PulseCommand command = pulse(id, throttle, duration);
+    command.hold_throttle = hold_throttle;
+    command.hold_duration = hold_duration;
+    return command;
+  }
   Refusal beat(bool arm, bool deadman = true, bool reset = false, std::int64_t sender = SENDER) {
     return core_.onHeartbeat({stamp(sender), arm, deadman, reset}, now_);
   }

@@ -131,14 +131,13 @@ void Simulation::arm() {
 }
 
 void Simulation::command(double throttle, double duration, std::optional<double> pitch) {
+  command({throttle, duration, 0.0, 0.0, pitch.value_or(0.0), pitch.has_value()});
+}
+
+void Simulation::command(const PulseShape& shape) {
   Inbound item;
   item.kind = Inbound::Kind::PULSE;
-  item.pulse.stamp = stamp();
-  item.pulse.pulse_id = ++pulse_id;
-  item.pulse.throttle = throttle;
-  item.pulse.duration = duration;
-  item.pulse.mixed = pitch.has_value();
-  item.pulse.pitch = pitch.value_or(0.0);
+  item.pulse = {shape, stamp(), ++pulse_id};
   bridge->inbox().push(item);
 }
 

@@ -52,6 +52,7 @@ class Simulation {
   Refusal pulse(double throttle, double duration);
   /// Puts a pulse into the bridge's inbox; mixed if a pitch is given.
   void command(double throttle, double duration, std::optional<double> pitch = {});
+  void command(const PulseShape& shape);
   /// A new process in the place of a killed one.
   void restartBridge();
 

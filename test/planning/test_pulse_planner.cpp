@@ -81,6 +81,23 @@ TEST_F(PlannerTest, PlansHoldForVehiclesThatThePlannerNeverSaw) {
   }
 }
 
+TEST_F(PlannerTest, HoldFollowsPulsesToQOnly) {
+  quick_.hold_throttle = 0.3;
+  quick_.hold_duration = 0.8;
+  const PulsePlanner planner(vehicle_, table_, quick_);
+  const TransitionPlan up = planner.plan(Mode::FIXED_WING, trial_), back = planner.plan(Mode::QUADROTOR, trial_);
+  ASSERT_TRUE(up.accepted) << up.reason;
+  EXPECT_EQ(up.pulse.hold_throttle, 0.3);
+  EXPECT_EQ(up.pulse.hold_duration, 0.8);
+  EXPECT_NEAR(up.pulse.whole(), up.pulse.duration + 0.8, 1e-12);
+  ASSERT_TRUE(back.accepted) << back.reason;
+  EXPECT_EQ(back.pulse.hold_throttle, 0.0);
+  EXPECT_EQ(back.pulse.hold_duration, 0.0);
+  // The hold itself decides something: full thrust behind the pulse stretches the arms beyond what is allowed.
+  quick_.hold_throttle = 1.0;
+  EXPECT_FALSE(PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, trial_).accepted);
+}
+
 TEST_F(PlannerTest, SameBitsForAnyNumberOfThreads) {
   quick_.threads = 1;
   const TransitionPlan one = PulsePlanner(vehicle_, table_, quick_).plan(Mode::FIXED_WING, trial_);
@@ -185,6 +202,15 @@ TEST_F(PlannerTest, NamesTheUpperBoundWhereTwoBoundsCross) {
   EXPECT_EQ(message(0.8, 0.0), "planner: duration_max is 0; allowed: above duration_min (0.1 s), up to 10 s");
   EXPECT_EQ(message(0.1, 0.4), "planner: throttle_max is 0.1; allowed: above throttle_min (0.1), up to 1");
   EXPECT_EQ(message(0.8, 0.4), "taken");
+}
+
+TEST_F(PlannerTest, RefusesHalfAHold) {
+  quick_.hold_duration = 0.5;
+  EXPECT_THROW(PulsePlanner(vehicle_, table_, quick_), common::Error);
+  quick_.hold_throttle = 0.3;
+  EXPECT_NO_THROW(PulsePlanner(vehicle_, table_, quick_));
+  quick_.hold_duration = -0.5;
+  EXPECT_THROW(PulsePlanner(vehicle_, table_, quick_), common::Error);
 }
 
 TEST_F(PlannerTest, RefusesBadSettings) {

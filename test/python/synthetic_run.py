@@ -108,7 +108,7 @@ def plan_message(name, motion, pulses):
     modes = {"F->Q": (1, 2), "Q->F": (2, 1)}[name]
     expected = prediction(*modes, motion, start, start + 3.5)
     return Message(header=header(start - 0.3), start_mode=modes[0], target_mode=modes[1], accepted=True, reason="",
-                   pulse=Message(throttle=throttle, duration=duration), thrust_fraction=throttle, worst_margin=0.3,
+                   pulse=Message(throttle=throttle, duration=duration, hold_throttle=0.0, hold_duration=0.0), thrust_fraction=throttle, worst_margin=0.3,
                    share_switched=1.0, realisations=256, compute_seconds=0.4, nominal=expected, worst=expected)
 
 
@@ -147,7 +147,7 @@ def make_buffer(pulses=None, leave_out=(), seconds=10.0, provenance=None):
     for number, (name, (start, throttle, duration)) in enumerate(pulses.items(), 1):
         send("transition_plan", plan_message(name, motion, pulses))
         send("command/pulse", Message(header=header(start), id=number,
-                                      pulse=Message(throttle=throttle, duration=duration), mixed=False, pitch=0.0))
+                                      pulse=Message(throttle=throttle, duration=duration, hold_throttle=0.0, hold_duration=0.0), mixed=False, pitch=0.0))
     _send_motion(send, motion)
     _send_frames(send, pulses, seconds)
     for name, message in sorted(messages, key=lambda pair: pair[1].header.stamp):

@@ -11,9 +11,9 @@ from snapwing_tools.errors import InputError
 class Seal(unittest.TestCase):
     def test_code_is_the_agreed_one(self):
         """The same number stands in test/link/command_seal_test.cpp."""
-        content = seal.pulse_content(7, 0.9, 0.5, True, -0.25)
+        content = seal.pulse_content(7, 0.9, 0.5, True, -0.25, hold=(0.2, 1.3))
         self.assertEqual(seal.code(bytes([1]) * 32, "a", content, 42, 5, 6).hex(),
-                         "a65476874812b036d70e77e27a2509bbf5f449ffde2f696e950b01d7a2650210")
+                         "ce753d3c840d3721a19f6dd363942d2cf8d6987d7918df33118c392b68cd5cc9")
 
     def test_each_part_counts(self):
         def code(key=1, vehicle="a", content=seal.arm_content(True), numbers=(1, 2, 3)):

@@ -45,6 +45,8 @@ struct Case {
   vehicle::Mount mount;
   bool wings;
   double gravity, throttle, duration;
+  double hold_throttle = 0, hold_duration = 0;
+  vehicle::Pulse pulse() const { return {throttle, duration, hold_throttle, hold_duration}; }
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -60,13 +62,13 @@ TEST_P(EnsembleAgainstLumped, SaysTheSame) {
   trial.gravity = c.gravity;
   const std::vector<double> durations(s.drawn.size(), c.duration);
   const rom::Ensemble ensemble = s.ensemble();
-  const auto told = ensemble.predict(c.start, c.throttle, durations, trial, 0, ensemble.size());
+  const auto told = ensemble.predict(c.start, c.pulse(), durations, trial, 0, ensemble.size());
   rom::LumpedSettings fine;
   fine.step = 2.5e-4;
   double squares = 0;
   for (std::size_t i = 0; i < s.drawn.size(); ++i) {
     const rom::LumpedModel model = s.curves.model(s.vehicle.radio, s.drawn[i], fine);
-    const rom::SnapPrediction truth = model.predict(c.start, {c.throttle, c.duration}, s.vehicle.radio, trial);
+    const rom::SnapPrediction truth = model.predict(c.start, c.pulse(), s.vehicle.radio, trial);
     if (std::abs(truth.energy_margin) > 0.02) {
       EXPECT_EQ(told[i].snapped, truth.snapped) << i;
     }
@@ -86,7 +88,9 @@ INSTANTIATE_TEST_SUITE_P(Trials, EnsembleAgainstLumped,
                                          Case{"free_F", F, vehicle::Mount::FREE, false, 0, 0.61, 0.16},
                                          Case{"free_Q", Q, vehicle::Mount::FREE, false, 0, 1.0, 0.60},
                                          Case{"climbing", F, vehicle::Mount::FREE, false, 9.81, 0.61, 0.16},
-                                         Case{"wings_Q", Q, vehicle::Mount::FREE, true, 0, 1.0, 0.75}),
+                                         Case{"wings_Q", Q, vehicle::Mount::FREE, true, 0, 1.0, 0.75},
+                                         Case{"hold_F", F, vehicle::Mount::FREE, false, 0, 0.61, 0.16, 0.33, 0.9},
+                                         Case{"hold_wings_F", F, vehicle::Mount::FREE, true, 0, 0.61, 0.16, 0.33, 1.3}),
                          [](const auto& tried) { return std::string(tried.param.name); });
 
 TEST(Ensemble, IsTheSameForEveryWidthOfVectors) {
@@ -95,8 +99,8 @@ TEST(Ensemble, IsTheSameForEveryWidthOfVectors) {
   vehicle::Trial trial;
   trial.mount = vehicle::Mount::FREE;
   const std::vector<double> durations(8, 0.2);
-  const auto widest = s.ensemble(4e-3).predict(F, 0.61, durations, trial, 0, 8);
-  const auto plain = s.ensemble(4e-3, rom::Vectors::PLAIN).predict(F, 0.61, durations, trial, 0, 8);
+  const auto widest = s.ensemble(4e-3).predict(F, {0.61}, durations, trial, 0, 8);
+  const auto plain = s.ensemble(4e-3, rom::Vectors::PLAIN).predict(F, {0.61}, durations, trial, 0, 8);
   for (int i = 0; i < 8; ++i) {
     EXPECT_EQ(widest[i].energy_margin, plain[i].energy_margin) << i;
     EXPECT_EQ(widest[i].peak_travel, plain[i].peak_travel) << i;
@@ -109,8 +113,8 @@ TEST(Ensemble, DoesNotCareWhoIsBesideIt) {
   trial.mount = vehicle::Mount::BOOM;
   const std::vector<double> durations(11, 0.16);
   const rom::Ensemble ensemble = s.ensemble(4e-3);
-  const auto all = ensemble.predict(F, 0.61, durations, trial, 0, 11);
-  const auto last = ensemble.predict(F, 0.61, durations, trial, 9, 2);
+  const auto all = ensemble.predict(F, {0.61}, durations, trial, 0, 11);
+  const auto last = ensemble.predict(F, {0.61}, durations, trial, 9, 2);
   EXPECT_EQ(all[9].energy_margin, last[0].energy_margin);
   EXPECT_EQ(all[10].energy_margin, last[1].energy_margin);
 }
@@ -129,7 +133,7 @@ TEST(Ensemble, FollowsTheForceBeyondTheLowEndOfTheTable) {
   const rom::SnapPrediction truth = s.curves.model(s.vehicle.radio, p).predict(Q, {1.0, 0.785}, s.vehicle.radio, trial);
   ASSERT_TRUE(truth.snapped);
   ASSERT_LT(truth.least_travel, s.table.travel.front() - 5e-3);
-  const auto told = s.ensemble(1e-3).predict(Q, 1.0, {0.785}, trial, 0, 1);
+  const auto told = s.ensemble(1e-3).predict(Q, {1.0}, {0.785}, trial, 0, 1);
   EXPECT_TRUE(told[0].snapped);
   EXPECT_NEAR(told[0].energy_margin, truth.energy_margin, 0.03);
   EXPECT_NEAR(told[0].peak_travel, truth.peak_travel, 2e-4);
@@ -139,12 +143,12 @@ TEST(Ensemble, RefusesByName) {
   const Shipped s(2);
   const rom::Ensemble ensemble = s.ensemble();
   const vehicle::Trial trial;
-  EXPECT_THROW(ensemble.predict(vehicle::Mode::UNKNOWN, 0.5, {0.1, 0.1}, trial, 0, 2), common::Error);
-  EXPECT_THROW(ensemble.predict(F, 1.5, {0.1, 0.1}, trial, 0, 2), common::Error);
-  EXPECT_THROW(ensemble.predict(F, NAN, {0.1, 0.1}, trial, 0, 2), common::Error);
-  EXPECT_THROW(ensemble.predict(F, 0.5, {0.1}, trial, 0, 2), common::Error);
-  EXPECT_THROW(ensemble.predict(F, 0.5, {0.1, -0.1}, trial, 0, 2), common::Error);
-  EXPECT_THROW(ensemble.predict(F, 0.5, {0.1, 0.1}, trial, 1, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(vehicle::Mode::UNKNOWN, {0.5}, {0.1, 0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, {1.5}, {0.1, 0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, {NAN}, {0.1, 0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, {0.5}, {0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, {0.5}, {0.1, -0.1}, trial, 0, 2), common::Error);
+  EXPECT_THROW(ensemble.predict(F, {0.5}, {0.1, 0.1}, trial, 1, 2), common::Error);
   rom::EnsembleSettings settings;
   settings.model.step = 0.02;
   EXPECT_THROW(rom::Ensemble(s.curves, s.vehicle.radio, settings), common::Error);

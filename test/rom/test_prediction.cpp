@@ -56,6 +56,37 @@ TEST_F(Prediction, SwitchesAndMarginAgreeOverAGridOfPulses) {
   EXPECT_GT(stayed, 30);
 }
 
+TEST_F(Prediction, HoldOfThePulsesOwnLevelIsALongerPulse) {
+  const SnapPrediction one = predict(Mode::FIXED_WING, 0.6, 0.16);
+  const SnapPrediction two = model_.predict(Mode::FIXED_WING, {0.6, 0.1, 0.6, 0.06}, vehicle_.radio, trial_);
+  EXPECT_EQ(one.end_mode, two.end_mode);
+  EXPECT_NEAR(one.snap_time, two.snap_time, 1e-9);
+  EXPECT_NEAR(one.peak_travel, two.peak_travel, 1e-9);
+  EXPECT_NEAR(one.energy_margin, two.energy_margin, 1e-9);
+}
+
+TEST_F(Prediction, HoldThatOutlastsTheMotionIsAFinalThrust) {
+  const double share = model_.thrustFraction(vehicle_.radio, 0.3);
+  vehicle::Trial steady = trial_;
+  steady.final_thrust_fraction = share;
+  const SnapPrediction lasting = model_.predict(Mode::FIXED_WING, {0.6, 0.16}, vehicle_.radio, steady);
+  const SnapPrediction held = model_.predict(Mode::FIXED_WING, {0.6, 0.16, 0.3, 10.0}, vehicle_.radio, steady);
+  EXPECT_EQ(lasting.end_mode, held.end_mode);
+  EXPECT_NEAR(lasting.peak_travel, held.peak_travel, 1e-9);
+  EXPECT_NEAR(lasting.snap_time, held.snap_time, 1e-9);
+  // What comes after a short hold is the trial's final thrust again.
+  const SnapPrediction handed = model_.predict(Mode::FIXED_WING, {0.6, 0.16, 0.3, 0.5}, vehicle_.radio, steady);
+  EXPECT_EQ(lasting.end_mode, handed.end_mode);
+  EXPECT_NEAR(lasting.peak_travel, handed.peak_travel, 1e-9);
+}
+
+TEST_F(Prediction, HalfAHoldIsRefused) {
+  EXPECT_THROW(model_.predict(Mode::FIXED_WING, {0.6, 0.16, 0.3, 0.0}, vehicle_.radio, trial_), common::Error);
+  EXPECT_THROW(model_.predict(Mode::FIXED_WING, {0.6, 0.16, 0.0, 0.3}, vehicle_.radio, trial_), common::Error);
+  EXPECT_THROW(model_.predict(Mode::FIXED_WING, {0.6, 0.16, 1.1, 0.3}, vehicle_.radio, trial_), common::Error);
+  EXPECT_THROW(model_.predict(Mode::FIXED_WING, {0.6, 0.16, 0.3, NAN}, vehicle_.radio, trial_), common::Error);
+}
+
 TEST_F(Prediction, MarginVanishesOnBothSidesOfEveryThreshold) {
   // While the motors slow down the barrier moves with the load: near a threshold the body rides on it without turning.
   struct Case {

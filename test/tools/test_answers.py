@@ -134,6 +134,21 @@ class Verdicts(Case):
             self.assertTrue((self.folder / "w" / "wing_table.h5").exists())
 
 
+class Hold(Case):
+    """A pulse that goes over into a second level."""
+
+    def test_prediction_says_what_was_held(self):
+        done = self.snapwing(*PREDICT, "--mount", "free", "--hold-throttle", ".3", "--hold-duration", "1.2", "--json", "p.json")
+        self.assertIn(b"for 0.160 s, then throttle 0.300 for 1.200 s", done.stdout)
+        pulse = json.loads((self.folder / "p.json").read_text())["pulse"]
+        self.assertEqual(pulse, {"throttle": .7, "duration": .16, "hold_throttle": .3, "hold_duration": 1.2})
+
+    def test_half_a_hold_is_refused(self):
+        self.assertIn("--hold-duration", self.refusal(*PREDICT, "--hold-throttle", ".3"))
+        self.assertIn("hold_throttle", self.refusal(*PREDICT, "--hold-throttle", "0", "--hold-duration", "1"))
+        self.assertIn("--from F only", self.refusal("plan", VEHICLE, "--from", "Q", "--hold-throttle", ".3", "--hold-duration", "1"))
+
+
 class Inputs(Case):
     def test_a_prediction_names_every_table(self):
         self.snapwing(*PREDICT, "--json", "p.json")

@@ -40,6 +40,18 @@ TEST(PlanFile, IsReadWhole) {
   EXPECT_EQ(plan.table_sha256, "bb");
 }
 
+TEST(PlanFile, HoldIsRead) {
+  const PlanFile plan = loadPlan(
+      write(GOOD, "\"duration\": 0.547", "\"duration\": 0.147, \"hold_throttle\": 0.3, \"hold_duration\": 1.25"));
+  EXPECT_EQ(plan.pulse.hold_throttle, 0.3);
+  EXPECT_EQ(plan.pulse.hold_duration, 1.25);
+  EXPECT_THROW(loadPlan(write(GOOD, "\"duration\": 0.547", "\"duration\": 0.547, \"hold_throttle\": 0.3")),
+               common::SettingError);
+  EXPECT_THROW(loadPlan(write(GOOD, "\"duration\": 0.547",
+                              "\"duration\": 0.547, \"hold_throttle\": 0.0, \"hold_duration\": 1.25")),
+               common::Error);
+}
+
 TEST(PlanFile, WhatIsWrongIsNamed) {
   const std::vector<std::array<std::string, 4>> cases = {
       {"0.547", "-1", "plan.pulse.duration", "0 .. 60 s"},

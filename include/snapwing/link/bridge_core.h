@@ -7,7 +7,7 @@
 ///          | known, connected, ready, disarmed                 |       |
 ///   ARMED  | pulse accepted and controller reports armed       | PULSE | throttle low, AUX1 high
 ///   ARMED  | switch off or deadman released                    | IDLE  |
-///   PULSE  | own deadline                                      | ARMED | throttle of the pulse, AUX1 high
+///   PULSE  | own deadline                                      | ARMED | throttle of the pulse or its hold, AUX1 high
 ///   PULSE  | switch off or deadman released                    | IDLE  |
 ///   ARMED, PULSE | abort, heartbeat lost or late, line lost, telemetry lost, failsafe, frames missed, disarmed
 ///          | by itself, motors disagree, own loop stalled, clocks jumped, guardian lost, shutdown | FAULT |
@@ -22,7 +22,9 @@
 /// by this bridge's clock; a status that was not sent, or not at that time, is a refusal.
 ///
 /// A pulse's time runs from its first frame that the line took, so that waiting for the line does not shorten it. That
-/// frame must leave before the command is too old, which bounds the end: stamp + min(max_age, expiry) + duration.
+/// frame must leave before the command is too old, which bounds the end: stamp + min(max_age, expiry) + duration +
+/// hold. Pulse and hold are one command: both were checked before the first frame, one clock ends both, and whatever
+/// ends the pulse ends the hold with it. A frame leaves right at the change between them.
 
 #include <array>
 
@@ -54,11 +56,13 @@ class BridgeCore {
   /// free. The grid starts anew from it.
   bool urgent() const { return urgent_; }
   double earliestFrameTime() const;
-  /// A pulse's last frame is due within so many seconds: nothing may go out now that the controller would serve first.
-  bool endsWithin(double seconds, double now) const;
+  /// A change of the pulse's throttle is due within so many seconds: nothing may go out now that the controller would
+  /// serve first.
+  bool changesWithin(double seconds, double now) const;
   /// A frame of a pulse was written, and the pulse is in force.
   bool inPulse() const { return status_.state == BridgeState::PULSE && pulse_begun_; }
-  double pulseEnd() const { return pulse_end_; }  ///< [s] while inPulse()
+  /// [s] while inPulse(): when its throttle changes next, by the hold's begin or by the end.
+  double nextChange(double now) const;
   /// Advances the state machine and gives the channels to send now. Call at nextFrameTime(), or earlier if urgent().
   const Channels& tick(double now);
   /// The line took the frame of the last tick, or did not.
@@ -105,6 +109,8 @@ class BridgeCore {
   void notePeriod(double now);
   void noteLatency(double age);
   void beginPulse(double now);
+  void endFrom(double start);
+  bool inHold(double now) const;
   void schedule(double now);
   bool active() const { return status_.state == BridgeState::ARMED || status_.state == BridgeState::PULSE; }
 
@@ -128,6 +134,7 @@ class BridgeCore {
   bool has_pending_ = false;
   PulseCommand pending_;
   double pulse_start_ = 0, pulse_end_ = 0;
+  double hold_start_ = 0;         ///< [s] from which the hold's throttle counts; without a hold the end
   bool pulse_begun_ = false;      ///< a frame of it was written
   double latest_start_ = 0;       ///< [s] after which its command is too old
   double late_heartbeat_ = -1e9;  ///< [s] when one of the operator's came too old

@@ -23,13 +23,20 @@ struct Stamp {
   double held = 0;                 ///< [s] from then to sending, by the sender's clock: for statistics only
 };
 
-struct PulseCommand {
+/// What a pulse command asks for: one level of throttle, then perhaps a second one (the hold), then throttle low.
+struct PulseShape {
+  double throttle = 0;       ///< [0, 1]
+  double duration = 0;       ///< [s]
+  double hold_throttle = 0;  ///< [0, 1] behind it; 0 with a hold_duration of 0, else above 0
+  double hold_duration = 0;  ///< [s] 0 = no hold
+  double pitch = 0;          ///< [-1, 1] during `duration`; centred in the hold
+  bool mixed = false;        ///< pitch is used too
+  double whole() const { return duration + hold_duration; }  ///< [s]
+};
+
+struct PulseCommand : PulseShape {
   Stamp stamp;
   std::int64_t pulse_id = 0;
-  double throttle = 0;  ///< [0, 1]
-  double duration = 0;  ///< [s]
-  double pitch = 0;     ///< [-1, 1]
-  bool mixed = false;   ///< pitch is used too
 };
 
 struct Heartbeat {
@@ -130,7 +137,7 @@ struct BridgeSettings {
   double future_tolerance = 0.005;  ///< [s] how far a stamp may run ahead
   double heartbeat_timeout = 0.2;   ///< [s] 0.04..0.25
   double max_throttle = 1.0;        ///< [1] larger commands are refused
-  double max_pulse = 1.5;           ///< [s] longer commands are refused
+  double max_pulse = 1.5;           ///< [s] longer commands are refused; pulse and hold together
   double min_rest = 0.1;            ///< [s] between pulses
   double throttle_rise = 0.0;       ///< [s] ramp from low to full; 0 = step. Falling is never ramped
   double max_pitch = 0.0;           ///< [1] stick; 0 = mixed control not allowed

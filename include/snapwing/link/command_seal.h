@@ -9,6 +9,7 @@
 #include <deque>
 #include <string>
 
+#include "snapwing/link/bridge_types.h"
 #include "snapwing/link/sealing.h"
 
 namespace snapwing::link {
@@ -24,7 +25,7 @@ struct CommandSeal {
 /// What is sealed: a verb, a zero byte, the values in little endian.
 std::string armContent(bool arm);
 std::string resetContent();
-std::string pulseContent(std::uint32_t id, double throttle, double duration, bool mixed, double pitch);
+std::string pulseContent(std::uint32_t id, const PulseShape& shape);
 
 /// The commander's side. Give it the newest status heard.
 class CommandSealer {

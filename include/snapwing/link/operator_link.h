@@ -38,7 +38,7 @@ class OperatorLink {
 
   /// Each needs a bridge heard within BRIDGE_TIMEOUT, whose session and newest status go into the stamp.
   /// @return false if none was heard: nothing was sent
-  bool sendPulse(std::int64_t pulse_id, double throttle, double duration, double pitch = 0.0, bool mixed = false);
+  bool sendPulse(std::int64_t pulse_id, const PulseShape& shape);
   /// While an abort is repeated, or two bridges are heard and none is armed, switch and deadman go out as off. One that
   /// ends the wish to be armed is repeated by handle() until the bridge shows that it was heard, so that a lost
   /// datagram costs milliseconds.

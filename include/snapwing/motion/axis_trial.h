@@ -9,6 +9,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_vehicle.h"
+#include "snapwing/vehicle/pulse.h"
 #include "snapwing/vehicle/trial_outcome.h"
 
 namespace snapwing::motion {
@@ -38,24 +39,18 @@ class ThrustHistory {
   double up_, down_;
 };
 
-/// Steady thrust asked for during a time.
-struct ThrustLevel {
-  double fraction = 0;  ///< of the full thrust [0, 1]
-  double duration = 0;  ///< of the command [s] >= 0
-};
-
 struct AxisTrial {
   vehicle::Mode start = vehicle::Mode::FIXED_WING;
-  double fraction = 0;                  ///< steady thrust of the pulse / full thrust, [0, 1]
-  double duration = 0;                  ///< of the command [s] >= 0
-  double initial_fraction = 0;          ///< before the pulse reaches the motors
-  std::vector<ThrustLevel> then;        ///< one after the other, right behind the pulse
-  double final_fraction = 0;            ///< after all of them
-  double latency = 0;                   ///< [s] command -> motors
-  double max_thrust = 0;                ///< [N] all rotors
-  double time_up = 0, time_down = 0;    ///< [s]
-  double horizon = 4;                   ///< [s] longest time watched after the last level
-  std::vector<double> changes() const;  ///< [s] when another thrust is asked of the motors, in order
+  double fraction = 0;                     ///< steady thrust of the pulse / full thrust, [0, 1]
+  double duration = 0;                     ///< of the command [s] >= 0
+  double initial_fraction = 0;             ///< before the pulse reaches the motors
+  std::vector<vehicle::ThrustLevel> then;  ///< one after the other, right behind the pulse
+  double final_fraction = 0;               ///< after all of them
+  double latency = 0;                      ///< [s] command -> motors
+  double max_thrust = 0;                   ///< [N] all rotors
+  double time_up = 0, time_down = 0;       ///< [s]
+  double horizon = 4;                      ///< [s] longest time watched after the last level
+  std::vector<double> changes() const;     ///< [s] when another thrust is asked of the motors, in order
   /// A pulse on realised parameters. @param idle  steady thrust at motor idle / full thrust
   static AxisTrial of(vehicle::Mode start, double fraction, double duration,
                       const vehicle::VehicleParameters& parameters, double idle, const vehicle::Trial& trial);

@@ -22,7 +22,11 @@ struct PlannerSettings {
   double throttle_max = 1.0;   ///< [1]
   double duration_min = 0.10;  ///< [s] five frames of a 50 Hz stream
   double duration_max = 1.2;   ///< [s]
-  int scan_throttles = 15;     ///< coarse scan's grid
+  /// Behind each pulse that switches to Q, before throttle low or the trial's final thrust; 0, 0 = none. Nothing holds
+  /// F: it is reached by a cut.
+  double hold_throttle = 0;  ///< [1] stick travel
+  double hold_duration = 0;  ///< [s]
+  int scan_throttles = 15;   ///< coarse scan's grid
   int scan_durations = 15;
   int search_samples = 64;        ///< realisations during the search, beside corners
   int verify_samples = 512;       ///< fresh realisations for the final check
@@ -40,6 +44,11 @@ struct PlannerSettings {
   rom::LumpedSettings model{1e-3};  ///< of the check
   double model_step = 4e-3;         ///< [s] step of the ensemble in the search; the check uses `model`'s
   void validate() const;            ///< @throws common::Error naming the member
+  /// A pulse with the hold behind it, if there is one for this direction.
+  vehicle::Pulse pulse(vehicle::Mode start, double throttle, double duration) const {
+    if (start != vehicle::Mode::FIXED_WING) return {throttle, duration};
+    return {throttle, duration, hold_throttle, hold_duration};
+  }
 };
 
 /// Effect of one uncertain number on the margin of a pulse, all others nominal.

@@ -43,11 +43,12 @@ class Ensemble {
   int size() const;
 
   /// Outcomes of vehicles first .. first + count - 1. May be called from several threads.
-  /// @param throttle   stick travel [0, 1]; @param durations  of the pulse for each vehicle of the ensemble [s], 0 ..
-  /// 60
+  /// @param pulse      its throttle and hold are every vehicle's, its duration is not used
+  /// @param durations  of the pulse for each vehicle of the ensemble [s], 0 .. 60
   /// @throws common::Error for an unknown start mode, a bad pulse, trial or range
-  std::vector<EnsembleOutcome> predict(vehicle::Mode start, double throttle, const std::vector<double>& durations,
-                                       const vehicle::Trial& trial, int first, int count) const;
+  std::vector<EnsembleOutcome> predict(vehicle::Mode start, const vehicle::Pulse& pulse,
+                                       const std::vector<double>& durations, const vehicle::Trial& trial, int first,
+                                       int count) const;
 
  private:
   struct Data;

@@ -87,6 +87,9 @@ class LumpedModel {
   /// @throws common::Error for UNKNOWN start, a potential that is not bistable, bad pulse or trial
   SnapPrediction predict(vehicle::Mode start, double fraction, double duration, const vehicle::Trial& trial,
                          const LumpedObserver& observer = {}) const;
+  /// The same with a second level right behind the pulse; after it comes the trial's final thrust.
+  SnapPrediction predictLevels(vehicle::Mode start, const vehicle::ThrustLevel& pulse, const vehicle::ThrustLevel& hold,
+                               const vehicle::Trial& trial, const LumpedObserver& observer = {}) const;
   /// The same with the stick's throttle.
   SnapPrediction predict(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Radio& radio,
                          const vehicle::Trial& trial, const LumpedObserver& observer = {}) const;

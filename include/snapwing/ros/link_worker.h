@@ -32,12 +32,6 @@ struct LinkWorkerSettings {
   link::ArmingTimes times;
 };
 
-struct LinkPulse {
-  std::uint32_t id = 0;
-  double throttle = 0, duration = 0, pitch = 0;
-  bool mixed = false;
-};
-
 /// Copies for diagnostics.
 struct LinkSnapshot {
   link::BridgeStatus status;
@@ -68,7 +62,7 @@ class LinkWorker {
   /// @param seal  judged for ARM and RESET, ignored for DISARM and ABORT: who wants to stop needs no key
   link::ArmingAnswer carryOut(link::ArmingProtocol::Request request, const link::CommandSeal& seal = {});
   /// Sends the pulse on if its seal is good. Does not wait.
-  void pulse(const LinkPulse& pulse, const link::CommandSeal& seal);
+  void pulse(std::uint32_t id, const link::PulseShape& shape, const link::CommandSeal& seal);
   /// The callbacks' thread has come round.
   void noteAlive();
   void setDeadman(bool held);

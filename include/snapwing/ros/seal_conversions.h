@@ -1,6 +1,7 @@
 #pragma once
-/// Between the seal of commands and its ROS message.
+/// Between commands, their seal and ROS messages.
 
+#include <snapwing/PulseCommand.h>
 #include <snapwing/Seal.h>
 
 #include <algorithm>
@@ -8,6 +9,18 @@
 #include "snapwing/link/command_seal.h"
 
 namespace snapwing::nodes {
+
+/// What is sealed and sent on of a pulse command.
+inline link::PulseShape shapeOf(const PulseCommand& command) {
+  link::PulseShape shape;
+  shape.throttle = command.pulse.throttle;
+  shape.duration = command.pulse.duration;
+  shape.hold_throttle = command.pulse.hold_throttle;
+  shape.hold_duration = command.pulse.hold_duration;
+  shape.pitch = command.pitch;
+  shape.mixed = command.mixed != 0;
+  return shape;
+}
 
 inline link::CommandSeal fromMessage(const Seal& message) {
   link::CommandSeal seal;

@@ -8,9 +8,20 @@
 
 namespace snapwing::vehicle {
 
-/// Rectangular pulse: throttle for a duration, then throttle low (motors at idle).
+/// Thrust pulse: throttle for a duration, then perhaps a second level (the hold), then throttle low (motors at idle).
 struct Pulse {
-  double throttle = 0;  ///< [1] stick travel, 0 = throttle_low, 1 = throttle_high
+  double throttle = 0;                                       ///< [1] stick travel, 0 = throttle_low, 1 = throttle_high
+  double duration = 0;                                       ///< [s]
+  double hold_throttle = 0;                                  ///< [1] behind it; above 0 if there is a hold, else 0
+  double hold_duration = 0;                                  ///< [s] 0 = no hold
+  double whole() const { return duration + hold_duration; }  ///< [s]
+  /// @throws common::Error naming the member
+  void validateHold() const;
+};
+
+/// Steady thrust asked of the motors for a while.
+struct ThrustLevel {
+  double fraction = 0;  ///< [0, 1] of the full thrust
   double duration = 0;  ///< [s]
 };
 

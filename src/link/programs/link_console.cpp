@@ -1,5 +1,6 @@
 /// link_console: the operator's end of the link on a terminal, without ROS; for bench work and tests. Commands on
-/// standard input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort, deadman on|off, quit.
+/// standard input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort, deadman on|off, quit, and
+/// hold ID THROTTLE SECONDS HOLD_THROTTLE HOLD_SECONDS for a pulse that goes over into a second level.
 /// Status as lines of JSON on standard output. It is the heartbeat: when it ends or stops, the bridge disarms.
 #include <poll.h>
 #include <unistd.h>
@@ -73,13 +74,17 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
     o.arm = o.deadman = false;
     if (!link.abort(snapwing_lcm::abort_t::OPERATOR)) std::printf("{\"said\": \"no radio bridge was ever heard\"}\n");
   }
-  if (verb == "pulse") {
+  if (verb == "pulse" || verb == "hold") {
     long long id = 0;
-    double throttle = 0, duration = 0, pitch = 0;
-    words >> id >> throttle >> duration;
-    const bool mixed = static_cast<bool>(words >> pitch);
+    link::PulseShape shape;
+    words >> id >> shape.throttle >> shape.duration;
+    if (verb == "hold") {
+      words >> shape.hold_throttle >> shape.hold_duration;
+    } else {
+      shape.mixed = static_cast<bool>(words >> shape.pitch);
+    }
     const double now = link::monotonicSeconds();
-    if (link.sendPulse(id, throttle, duration, pitch, mixed)) std::printf("{\"sent\": %lld, \"t\": %.6f}\n", id, now);
+    if (link.sendPulse(id, shape)) std::printf("{\"sent\": %lld, \"t\": %.6f}\n", id, now);
   }
 }
 

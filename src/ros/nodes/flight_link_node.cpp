@@ -135,15 +135,7 @@ class FlightLinkNode {
 
   void onDeadman(const std_msgs::Bool& message) { worker_.setDeadman(message.data); }
 
-  void onPulse(const PulseCommand& command) {
-    LinkPulse pulse;
-    pulse.id = command.id;
-    pulse.throttle = command.pulse.throttle;
-    pulse.duration = command.pulse.duration;
-    pulse.pitch = command.pitch;
-    pulse.mixed = command.mixed;
-    worker_.pulse(pulse, fromMessage(command.seal));
-  }
+  void onPulse(const PulseCommand& command) { worker_.pulse(command.id, shapeOf(command), fromMessage(command.seal)); }
 
   template <class Response>
   bool carryOut(const char* what, Request request, const link::CommandSeal& seal, Response& response) {

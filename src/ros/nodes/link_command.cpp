@@ -16,8 +16,10 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
+#include "snapwing/ros/conversions.h"
 #include "snapwing/ros/seal_conversions.h"
 #include "snapwing/ros/topics.h"
+#include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::nodes {
 namespace {
@@ -26,7 +28,7 @@ struct Options {
   std::string what, key_file, vehicle_id = link::DEFAULT_VEHICLE_ID, name_space;
   double timeout = 3.0;
   std::uint32_t pulse_id = 0;
-  double throttle = 0, duration = 0;
+  vehicle::Pulse pulse;
 };
 
 class Commander {
@@ -86,9 +88,8 @@ class Commander {
     PulseCommand command;
     command.header.stamp = ros::Time::now();
     command.id = options_.pulse_id;
-    command.pulse.throttle = options_.throttle;
-    command.pulse.duration = options_.duration;
-    command.seal = sealed(sealer, link::pulseContent(command.id, options_.throttle, options_.duration, false, 0.0));
+    command.pulse = toMessage(options_.pulse);
+    command.seal = sealed(sealer, link::pulseContent(command.id, shapeOf(command)));
     publisher.publish(command);
     while (link::monotonicSeconds() < end && ros::ok() && heard_->pulse_id != command.id) {
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));
@@ -126,8 +127,10 @@ int run(int argc, char** argv) {
   for (const char* name : {"arm", "disarm", "reset", "abort"}) app.add_subcommand(name);
   CLI::App* pulse = app.add_subcommand("pulse", "bench only: one thrust pulse");
   pulse->add_option("id", options.pulse_id, "above that of every pulse before")->required();
-  pulse->add_option("throttle", options.throttle, "[1]")->required();
-  pulse->add_option("seconds", options.duration, "[s]")->required();
+  pulse->add_option("throttle", options.pulse.throttle, "[1]")->required();
+  pulse->add_option("seconds", options.pulse.duration, "[s]")->required();
+  pulse->add_option("hold_throttle", options.pulse.hold_throttle, "behind it [1]");
+  pulse->add_option("hold_seconds", options.pulse.hold_duration, "how long [s]");
   try {
     app.parse(argc, argv);
     options.what = app.get_subcommands().front()->get_name();

@@ -58,6 +58,8 @@ planning::PlannerSettings readPlanner(Params& params) {
   s.throttle_max = params.number("throttle_max", {0.0, 1.0}, "1");
   s.duration_min = params.number("duration_min", {0.0, 5.0}, "s");
   s.duration_max = params.number("duration_max", {0.0, 5.0}, "s");
+  s.hold_throttle = params.number("hold_throttle", {0.0, 1.0}, "1");
+  s.hold_duration = params.number("hold_duration", {0.0, 5.0}, "s");
   s.search_samples = params.integer("search_samples", 0, 100000);
   s.verify_samples = params.integer("verify_samples", 1, 1000000);
   s.refine_evaluations = params.integer("refine_evaluations", 0, 100000);
@@ -121,6 +123,7 @@ class TransitionPlannerNode {
   TransitionPlannerNode(Handles& handles, Params params)
       : vehicle_(params.vehicle()),
         trial_(readTrial(params, vehicle_)),
+        taken_over_(params.number("final_thrust", {0.0, 1.0}, "1")),
         settings_(readSwitch(params)),
         key_file_(params.textOr("key_file", "")),
         vehicle_id_(params.textOr("vehicle_id", link::DEFAULT_VEHICLE_ID)),
@@ -261,6 +264,12 @@ class TransitionPlannerNode {
     carryOut(target, result);
   }
 
+  vehicle::Trial trialTo(vehicle::Mode target) const {
+    vehicle::Trial trial = trial_;
+    if (target == vehicle::Mode::QUADROTOR && taken_over_ > 0) trial.final_thrust_fraction = taken_over_;
+    return trial;
+  }
+
   bool preempted() { return server_.isPreemptRequested() || !ros::ok(); }
 
   void report(std::uint8_t stage, double since, vehicle::Mode target) {
@@ -276,8 +285,9 @@ class TransitionPlannerNode {
   bool plan(vehicle::Mode start, vehicle::Mode target, Result& result) {
     const double since = Clocks::read().steady;
     if (!plans_.count(target)) {
-      std::future<planning::TransitionPlan> answer = std::async(
-          std::launch::async, [&] { return planner_.plan(start, target, trial_, [this] { return preempted(); }); });
+      std::future<planning::TransitionPlan> answer = std::async(std::launch::async, [&] {
+        return planner_.plan(start, target, trialTo(target), [this] { return preempted(); });
+      });
       while (answer.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
         report(Feedback::PLANNING, since, target);
       }
@@ -297,16 +307,15 @@ class TransitionPlannerNode {
   void seal(PulseCommand& command) {
     const LinkStatus heard = newestLink();
     const link::CommandSealer sealer(key_, vehicle_id_);
-    command.seal = toMessage(sealer.seal(link::pulseContent(command.id, command.pulse.throttle, command.pulse.duration,
-                                                            command.mixed != 0, command.pitch),
-                                         heard.session, heard.number));
+    command.seal =
+        toMessage(sealer.seal(link::pulseContent(command.id, shapeOf(command)), heard.session, heard.number));
   }
 
   /// Does what the protocol says, fifty times a second.
   void carryOut(vehicle::Mode target, Result& result) {
     // Ids go on counting up over restarts of this node.
     const std::uint32_t first_id = std::max(last_id_ + 1, ros::Time::now().sec);
-    planning::SwitchProtocol protocol(settings_, target, result.plan.pulse.duration, first_id);
+    planning::SwitchProtocol protocol(settings_, target, fromMessage(result.plan.pulse).whole(), first_id);
     const double since = Clocks::read().steady;
     double sent = 0, published = 0;
     for (ros::WallRate rate(50);; rate.sleep()) {
@@ -353,6 +362,7 @@ class TransitionPlannerNode {
 
   vehicle::Vehicle vehicle_;
   vehicle::Trial trial_;
+  double taken_over_;  ///< [1] thrust at which somebody else leads after a switch to Q; 0 = motors idle
   planning::SwitchSettings settings_;
   std::string key_file_;  ///< of the link; empty = plans only
   std::string vehicle_id_;

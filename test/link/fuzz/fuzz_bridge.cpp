@@ -100,13 +100,19 @@ class Driver {
     command.pulse_id = ++pulse_;
     command.throttle = source_.number();
     command.duration = source_.number();
+    if (source_.byte() % 2 == 0) {
+      command.hold_throttle = source_.number();
+      command.hold_duration = source_.number();
+    }
     command.mixed = source_.byte() % 8 == 0;
     command.pitch = source_.number();
     const Refusal refusal = core_.onPulse(command, now_);
     if (refusal != Refusal::NONE) return;
     require(command.throttle >= 0 && command.throttle <= 0.9 && command.duration > 0 && command.duration <= 0.8);
+    require(command.hold_throttle >= 0 && command.hold_throttle <= 0.9 && command.hold_duration >= 0);
+    require(command.whole() <= 0.8 && (command.hold_throttle > 0) == (command.hold_duration > 0));
     require(std::isfinite(command.stamp.time) && now_ - command.stamp.time <= 0.1 + 1e-9);
-    accepted_end_ = now_ + 0.1 + command.duration;
+    accepted_end_ = now_ + 0.1 + command.whole();
   }
 
   void disturb() {

@@ -1,6 +1,6 @@
 """Runs every fault of process_faults.py, link_faults.py and ros_faults.py many times and writes the table docs/fault_table.md.
 usage: fault_table.py --programs FOLDER --helpers FOLDER [--ros] [--trials 100] [--jobs 8] [--busy 2] [--only NAME] [--results FILE]
-[--write FILE]"""
+[--hold] [--write FILE]"""
 import argparse
 import concurrent.futures
 import ctypes
@@ -63,11 +63,12 @@ def started(kind, programs, seed):
         raise NotBegun(str(error)) from error
 
 
-def run_batch(name, programs, helpers, seed, trials, with_ros):
+def run_batch(name, programs, helpers, seed, trials, with_ros, in_hold):
     """@return list of attempts: fault, moment from which the promise counts, seconds to idle, largest output afterwards [us], whether a return of
     thrust kept the bound that docs/safety.md names, error, void; with an error the seconds are those that the attempt took"""
     os.environ["SNAPWING_TEST_HELPERS"] = helpers
     measure_firmly()
+    link_faults.Fault.in_hold = in_hold
     kind = next(kind for kind in kinds_of(with_ros) if kind.__name__ == name)
     results, fault = [], None
 
@@ -183,6 +184,12 @@ the promises.
 """
 
 
+HELD = (HEAD.replace("# Fault table of the radio link\n", "# Fault table of the radio link, in the hold\n")
+        .replace("fault_table.py`", "fault_table.py --hold`")
+        .replace("full-throttle pulse, with the motors seen at its thrust.",
+                 "hold of .3 throttle behind .1 s of full throttle, with the motors seen at its thrust."))
+
+
 def notes_on(row):
     """@return lines on what was not kept, and on late trials: did the machine stand still in them?"""
     for result in row.late:
@@ -224,7 +231,7 @@ def run_all(kinds, options, results, witness):
                     wanted = min(SHARE, options.trials - seed, options.trials - done - seed)
                     if (kind.__name__ in ALONE) == alone and wanted > 0:
                         task = pool.submit(run_batch, kind.__name__, options.programs, options.helpers, len(results.all) + seed,
-                                           wanted, options.ros)
+                                           wanted, options.ros, options.hold)
                         tasks[task] = kind
             for task in concurrent.futures.as_completed(tasks):
                 batch = task.result()
@@ -245,6 +252,7 @@ def main():
     parser.add_argument("--only", action="append")
     parser.add_argument("--results", help="file that keeps every attempt; a run that was stopped goes on from it")
     parser.add_argument("--busy", type=int, default=0, help="busy processes at normal priority on each core meanwhile")
+    parser.add_argument("--hold", action="store_true", help="do the harm in the hold behind a short pulse")
     parser.add_argument("--table-only", action="store_true", help="run nothing, write the table of what --results holds")
     parser.add_argument("--write")
     options = parser.parse_args()
@@ -269,7 +277,7 @@ def main():
     print(*notes, foot, sep="\n")
     if options.write:
         with open(options.write, "w", encoding="utf-8") as file:
-            file.write(HEAD + "".join(row.text() + "\n" for row in rows))
+            file.write((HELD if options.hold else HEAD) + "".join(row.text() + "\n" for row in rows))
             file.writelines(f"\n{line}\n" for line in notes)
             file.write(foot)
     return 0 if all(row.good for row in rows) else 1

@@ -79,6 +79,11 @@ Messages absurd(const link::Key& key, std::int64_t session, const link::BridgeSt
     pulse.pulse_id = static_cast<std::int64_t>(rng());
     pulse.throttle = wild[rng() % 7];
     pulse.duration = wild[rng() % 7];
+    if (i % 3 == 0) {  // sound but for its hold
+      pulse.throttle = pulse.duration = 0.2;
+      pulse.hold_throttle = wild[rng() % 7];
+      pulse.hold_duration = i % 2 == 0 ? 0.0 : wild[rng() % 7];
+    }
     if (i % 5 == 0) pulse.stamp.time = wild[rng() % 7];
     snapwing_lcm::pulse_command_t wire = link::toLcm(pulse);
     if (i % 7 == 0) wire.stamp.version += 1 + static_cast<int>(rng() % 100);

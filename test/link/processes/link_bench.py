@@ -347,12 +347,16 @@ class Bench:
                 return wait_for(self.armed, 0.7, "armed")
         raise NotBegun(f"not armed: {self.status()} {self.bridge.lines[-3:]}")
 
-    def pulse(self, throttle=1.0, duration=1.0, wait=True, pitch=None):
-        """@return time at which the motors rose, or of the command if not waited for"""
+    def pulse(self, throttle=1.0, duration=1.0, wait=True, pitch=None, hold=None):
+        """@param hold  throttle and duration of a level behind the pulse
+        @return time at which the motors rose, or of the command if not waited for"""
         self.pulse_id = max(self.pulse_id, self.status().get("pulse_id", 0)) + 1
         self.motors.forget()
         sent = time.monotonic()
-        self.console.send(f"pulse {self.pulse_id} {throttle} {duration}" + ("" if pitch is None else f" {pitch}"))
+        if hold:
+            self.console.send(f"hold {self.pulse_id} {throttle} {duration} {hold[0]} {hold[1]}")
+        else:
+            self.console.send(f"pulse {self.pulse_id} {throttle} {duration}" + ("" if pitch is None else f" {pitch}"))
         if not wait:
             return sent
         try:

@@ -14,6 +14,9 @@ from relays import LcmRelay, SerialRelay
 
 NEVER = 99.0
 FULL = 1999      # us, output at full throttle
+LEAD = 0.1       # s, full throttle in front of a hold
+HOLD = 0.3       # throttle of it: outputs of 1314 us
+BELOW_PULSE = 1400  # us
 PATIENCE = 3.0  # s beyond the pulse's end; what comes later than promised is still to be measured
 GUARDIAN, TYPICAL = 0.12, 0.10  # s, the guardian ends the pulse: 99 % and median
 CONTROLLER = 0.45               # s, where nobody on this side is left, or the line is: the flight controller's own hold
@@ -31,6 +34,7 @@ class Fault:
     bench_kind = Bench
     seldom = 0.0         # share of trials in which thrust may return within a bound that docs/safety.md names
     bounded = False      # it did in the last trial
+    in_hold = False      # the harm is done in the hold behind a short pulse, instead of in the pulse
 
     def __init__(self, programs, seed):
         self.rng = random.Random(f"{self.name} {seed}")
@@ -52,12 +56,23 @@ class Fault:
     def check(self):
         """Raises AssertionError if something else than the motors is not as it must be."""
 
+    def begin_pulse(self):
+        """The thrust in which the harm is done. @return when it began; it lasts self.pulse from then"""
+        if not self.in_hold:
+            return self.bench.pulse(1.0, self.pulse)
+        rise = self.bench.pulse(1.0, LEAD, hold=(HOLD, self.pulse))
+        try:
+            wait_for(lambda: IDLE < self.bench.motors.last()["motor"] < BELOW_PULSE, LEAD + 0.2, "motors at the hold's level")
+        except AssertionError as error:
+            raise NotBegun(str(error)) from error
+        return rise + LEAD
+
     def trial(self):
         """@return (moment from which the promise counts, seconds to idle from then, largest output after that [us])"""
         bench = self.bench
         bench.arm(timeout=20)
         self.before()
-        rise = bench.pulse(1.0, self.pulse)
+        rise = self.begin_pulse()
         time.sleep(self.rng.uniform(0.0, self.latest))
         moment = time.monotonic()
         since, undo = self.harm()

@@ -94,12 +94,15 @@ def main():
             abort(abort_service)
         elif words[0] == "deadman":
             deadman.set(words[1] == "on")
-        elif words[0] == "pulse":
+        elif words[0] in ("pulse", "hold"):
             command = PulseCommand()
             command.header.stamp = rospy.Time.now()
             command.id = int(words[1])
             command.pulse.throttle, command.pulse.duration = float(words[2]), float(words[3])
-            content = seal.pulse_content(command.id, command.pulse.throttle, command.pulse.duration)
+            if words[0] == "hold":
+                command.pulse.hold_throttle, command.pulse.hold_duration = float(words[4]), float(words[5])
+            content = seal.pulse_content(command.id, command.pulse.throttle, command.pulse.duration,
+                                         hold=(command.pulse.hold_throttle, command.pulse.hold_duration))
             pulses.publish(sealed(command, key, content))
 
 

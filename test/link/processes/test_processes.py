@@ -46,6 +46,26 @@ class Processes(unittest.TestCase):
         self.assertAlmostEqual(self.idle_after(rise), 0.25, delta=0.04 + SLACK)  # idle comes at the end of a ramp of 21 ms
         self.assertLess(bench.status()["latency_worst"], 0.03 + SLACK)
 
+    def test_pulse_and_its_hold_have_their_lengths(self):
+        bench = self.bench
+        bench.arm()
+        bench.pulse(1.0, 0.15, hold=(0.3, 0.4))
+        rise = bench.motors.first_above(IDLE, 0)
+        wait_for(lambda: bench.motors.last()["motor"] == 1314, 0.3, "motors at the hold's level")
+        fall = bench.motors.first_at_or_below(1400, rise + 0.05)
+        self.assertAlmostEqual(fall - rise, 0.15, delta=0.04 + SLACK)
+        self.assertAlmostEqual(self.idle_after(rise), 0.55, delta=0.04 + SLACK)
+        wait_for(lambda: bench.fresh().get("state") == "armed", 0.3, "the bridge has ended it")
+        self.assertEqual(bench.status()["fault"], "")
+
+    def test_hold_that_is_too_long_is_refused_with_its_pulse(self):
+        bench = self.bench
+        bench.arm()
+        sent = bench.pulse(1.0, 0.3, wait=False, hold=(0.3, 1.3))
+        wait_for(lambda: "hold or pitch is" in bench.status()["refusal"], 1.0, "refused by its hold")
+        time.sleep(0.3)
+        self.assertLessEqual(bench.motors.highest(sent), IDLE)
+
     def test_killed_bridge_is_followed_by_its_guardian_and_a_new_one_brings_no_thrust(self):
         bench = self.bench
         bench.arm()
