@@ -13,6 +13,7 @@
 #include "snapwing/planning/accident_margins.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/validation/plan_file.h"
+#include "snapwing/validation/prediction_json.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
@@ -45,7 +46,7 @@ void printPlan(const planning::TransitionPlan& plan) {
   } else {
     std::printf("plan %s -> %s: throttle %.3f (%.1f %% of full thrust) %s\n",
                 vehicle::modeName(plan.start_mode).c_str(), vehicle::modeName(plan.target_mode).c_str(),
-                plan.pulse.throttle, 100.0 * plan.thrust_fraction, pulseTimes(plan.pulse).c_str());
+                plan.pulse.throttle, 100.0 * plan.thrust_fraction, validation::pulseTimes(plan.pulse).c_str());
   }
   std::printf("worst margin %+.3f, %.1f %% of %d vehicles switch; %d pulses, %ld trials in %.2f s\n", plan.worst_margin,
               100.0 * plan.share_switched, plan.realisations, plan.evaluations, plan.predictions, plan.compute_seconds);

@@ -87,7 +87,8 @@ int predict(const PredictOptions& options) {
   }
   std::printf("%s, %s, wings %s: throttle %.3f (%.1f %% of full thrust) %s\n", vehicle.name.c_str(),
               vehicle::mountName(trial.mount).c_str(), model.wingsAct(trial) ? "on" : "off", options.pulse.throttle,
-              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle), pulseTimes(options.pulse).c_str());
+              100.0 * model.thrustFraction(vehicle.radio, options.pulse.throttle),
+              validation::pulseTimes(options.pulse).c_str());
   std::printf("%s\n", predictionLine(prediction).c_str());
   if (!prediction.start_held)
     std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());

@@ -2,12 +2,10 @@
 /// Options that describe a trial, shared by predict and plan.
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <optional>
 #include <string>
 
 #include "numbers.h"
-#include "snapwing/vehicle/pulse.h"
 #include "snapwing/vehicle/trial.h"
 
 namespace snapwing::tools {
@@ -23,18 +21,6 @@ inline void addHoldTo(CLI::App& command, double& throttle, double& duration) {
                             ->check(realNumber(0, 60, "s"));
   level->needs(length);
   length->needs(level);
-}
-
-/// " for 0.140 s, then 0.330 for 1.200 s" of a pulse.
-inline std::string pulseTimes(const vehicle::Pulse& pulse) {
-  char text[96];
-  if (pulse.hold_duration > 0) {
-    std::snprintf(text, sizeof text, "for %.3f s, then throttle %.3f for %.3f s", pulse.duration, pulse.hold_throttle,
-                  pulse.hold_duration);
-  } else {
-    std::snprintf(text, sizeof text, "for %.3f s", pulse.duration);
-  }
-  return text;
 }
 
 struct TrialOptions {

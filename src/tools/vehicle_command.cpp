@@ -14,6 +14,7 @@
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/validation/plan_file.h"
+#include "snapwing/validation/prediction_json.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "snapwing/vehicle/vehicle.h"
@@ -127,7 +128,7 @@ void printPlan(const vehicle::Vehicle& vehicle, const char* name, const std::str
   try {
     const validation::PlanFile plan = validation::loadPlan(file);
     const bool own = plan.vehicle_sha256 == vehicle.sha256;
-    std::printf("plan %s: throttle %.3f for %.3f s%s\n", name, plan.pulse.throttle, plan.pulse.duration,
+    std::printf("plan %s: throttle %.3f %s%s\n", name, plan.pulse.throttle, validation::pulseTimes(plan.pulse).c_str(),
                 own ? "" : ", but of another version of this file: plan anew");
   } catch (const common::Error& e) {
     std::printf("plan %s: none: %s\n", name, e.what());

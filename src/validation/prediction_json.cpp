@@ -1,5 +1,6 @@
 #include "snapwing/validation/prediction_json.h"
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "snapwing/common/json_text.h"
@@ -43,6 +44,17 @@ ordered_json pulseJson(const vehicle::Pulse& pulse) {
     json["hold_duration"] = pulse.hold_duration;
   }
   return json;
+}
+
+std::string pulseTimes(const vehicle::Pulse& pulse) {
+  char text[96];
+  if (pulse.hold_duration > 0) {
+    std::snprintf(text, sizeof text, "for %.3f s, then throttle %.3f for %.3f s", pulse.duration, pulse.hold_throttle,
+                  pulse.hold_duration);
+  } else {
+    std::snprintf(text, sizeof text, "for %.3f s", pulse.duration);
+  }
+  return text;
 }
 
 ordered_json trialJson(const vehicle::Trial& trial) {

@@ -6,6 +6,7 @@
 
 #include "line_plot.h"
 #include "snapwing/common/json_text.h"
+#include "snapwing/validation/prediction_json.h"
 
 namespace snapwing::validation {
 
@@ -115,7 +116,7 @@ std::string planTable(const Validation& found) {
       "<table><tr><th>plan</th><th>throttle</th><th>duration</th><th>margin that it states</th>"
       "<th>mount, wings, pull</th><th>from</th></tr>\n";
   for (const PlanFile& p : found.plans) {
-    html += "<tr>" + cell(p.name()) + cell(number(p.pulse.throttle), "n") + cell(number(p.pulse.duration) + " s", "n") +
+    html += "<tr>" + cell(p.name()) + cell(number(p.pulse.throttle), "n") + cell(pulseTimes(p.pulse), "n") +
             cell(number(p.worst_margin), "n") +
             cell(vehicle::mountName(p.trial.mount) + ", " + vehicle::wingsName(p.trial.wings) + ", " +
                  number(p.trial.gravity) + " m/s2") +
