@@ -11,7 +11,7 @@ namespace {
 constexpr double MIN_GAP = 0.007;  ///< [s] between two frames; SBUS receivers know no faster stream
 /// [s] before a pulse's end, or its hold's begin, in which no other frame of it leaves: the controller serves a command
 /// in 10.4 ms, and the frame that changes the throttle must not wait behind another.
-constexpr double QUIET_END = 0.0115;
+constexpr double QUIET_BEFORE_CHANGE = 0.0115;
 constexpr double TIME_SLACK = 1e-6;   ///< [s] rounding of the timer
 constexpr double SLOW_ANSWER = 0.1;   ///< [s] of a controller that is not silent, but late
 constexpr double BLIND_ARMING = 0.2;  ///< [s] after which a controller that cannot be read counts as armed
@@ -399,7 +399,7 @@ void BridgeCore::schedule(double now) {
   const double period = settings_.frame_period;
   double next = std::min(next_frame_, now) + period;  // a hurried frame starts the grid anew
   while (next < now + 0.5 * period) next += period;   // late: skip grid points, never send a burst
-  const double quiet = status_.controller.readback ? QUIET_END : MIN_GAP;
+  const double quiet = status_.controller.readback ? QUIET_BEFORE_CHANGE : MIN_GAP;
   const double change = nextChange(now);
   if (status_.state == BridgeState::PULSE && next > change - quiet) next = std::max(change, now + MIN_GAP);
   next_frame_ = next;

@@ -35,6 +35,14 @@ class Hold : public Core {
     }
     return found;
   }
+  void expectLevels(const Level& pulse, const Level& hold) {
+    const std::vector<Level> sent = levels(1.0);
+    ASSERT_EQ(sent.size(), 2U);
+    EXPECT_EQ(sent[0].microseconds, pulse.microseconds);
+    EXPECT_NEAR(sent[0].seconds, pulse.seconds, 1e-9);
+    EXPECT_EQ(sent[1].microseconds, hold.microseconds);
+    EXPECT_NEAR(sent[1].seconds, hold.seconds, 1e-9);
+  }
   void begin(const PulseCommand& command) {
     ASSERT_EQ(core_.onPulse(command, now_), Refusal::NONE);
     beat(true);
@@ -45,12 +53,7 @@ class Hold : public Core {
 TEST_F(Hold, BothLevelsHaveTheirExactLength) {
   arm();
   begin(held(1, 0.5, 0.133, 0.25, 0.317));
-  const std::vector<Level> sent = levels(1.0);
-  ASSERT_EQ(sent.size(), 2U);
-  EXPECT_EQ(sent[0].microseconds, 1500);
-  EXPECT_NEAR(sent[0].seconds, 0.133, 1e-9);
-  EXPECT_EQ(sent[1].microseconds, 1250);
-  EXPECT_NEAR(sent[1].seconds, 0.317, 1e-9);
+  expectLevels({1500, 0.133}, {1250, 0.317});
   EXPECT_EQ(core_.status().state, BridgeState::ARMED);
   EXPECT_EQ(core_.status().channels.us[THROTTLE], 1000);
 }
@@ -58,11 +61,7 @@ TEST_F(Hold, BothLevelsHaveTheirExactLength) {
 TEST_F(Hold, LevelAboveThePulseIsHeldAsWell) {
   arm();
   begin(held(1, 0.25, 0.2, 0.5, 0.2));
-  const std::vector<Level> sent = levels(1.0);
-  ASSERT_EQ(sent.size(), 2U);
-  EXPECT_EQ(sent[1].microseconds, 1500);
-  EXPECT_NEAR(sent[0].seconds, 0.2, 1e-9);
-  EXPECT_NEAR(sent[1].seconds, 0.2, 1e-9);
+  expectLevels({1250, 0.2}, {1500, 0.2});
 }
 
 /// Whatever ends a pulse ends its hold: the next frame is low.

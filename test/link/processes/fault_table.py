@@ -166,11 +166,11 @@ class Load:
                 f"{(time.monotonic() - self.begin) / 60:.0f} minutes")
 
 
-HEAD = """# Fault table of the radio link
+HEAD = """# Fault table of the radio link{title}
 
-Written by `test/link/processes/fault_table.py`, which runs the real programs (radio_bridge with its guardian, link_console or
+Written by `test/link/processes/fault_table.py{option}`, which runs the real programs (radio_bridge with its guardian, link_console or
 flight_link_node with a planner and a ROS master, standin_flight_controller) on one machine and does each harm at a random moment of a
-full-throttle pulse, with the motors seen at its thrust. Times run from the harm to the motors' outputs at idle or off, as the stand-in
+{thrust}, with the motors seen at its thrust. Times run from the harm to the motors' outputs at idle or off, as the stand-in
 flight controller puts them out (ramp of 21 ms included); for faults that need not break the pulse off, from the pulse's own end (0: not later than that).
 Promised are a time that the median keeps, where two are given (judged from 20 trials on), and one that all keep, except while the machine itself stood still:
 "late" counts the trials beyond it, in brackets those of them that would not be late without the time for which a witness of the highest
@@ -183,12 +183,8 @@ the promises.
 | fault | who notices | promised [ms] | trials | void | median [ms] | 99 % [ms] | worst [ms] | late (excused) | thrust returned | kept |
 |---|---|---|---|---|---|---|---|---|---|---|
 """
-
-
-HELD = (HEAD.replace("# Fault table of the radio link\n", "# Fault table of the radio link, in the hold\n")
-        .replace("fault_table.py`", "fault_table.py --hold`")
-        .replace("full-throttle pulse, with the motors seen at its thrust.",
-                 "hold of .3 throttle behind .1 s of full throttle, with the motors seen at its thrust."))
+IN_PULSE = {"title": "", "option": "", "thrust": "full-throttle pulse"}
+IN_HOLD = {"title": ", in the hold", "option": " --hold", "thrust": "hold of .3 throttle behind .1 s of full throttle"}
 
 
 def notes_on(row):
@@ -278,7 +274,7 @@ def main():
     print(*notes, foot, sep="\n")
     if options.write:
         with open(options.write, "w", encoding="utf-8") as file:
-            file.write((HELD if options.hold else HEAD) + "".join(row.text() + "\n" for row in rows))
+            file.write(HEAD.format(**(IN_HOLD if options.hold else IN_PULSE)) + "".join(row.text() + "\n" for row in rows))
             file.writelines(f"\n{line}\n" for line in notes)
             file.write(foot)
     return 0 if all(row.good for row in rows) else 1
