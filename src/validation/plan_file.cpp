@@ -6,6 +6,9 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
+#include "snapwing/common/output_file.h"
+#include "snapwing/validation/prediction_json.h"
 
 namespace snapwing::validation {
 
@@ -115,6 +118,62 @@ PlanFile loadPlan(const std::string& path) {
   out.vehicle_sha256 = inputs.text("vehicle_sha256");
   out.table_sha256 = inputs.text("table_sha256");
   return out;
+}
+
+namespace {
+
+nlohmann::ordered_json planJson(const planning::TransitionPlan& plan) {
+  nlohmann::ordered_json influences = nlohmann::ordered_json::array();
+  for (const auto& effect : plan.influences) {
+    influences.push_back(
+        {{"name", effect.name}, {"low_margin", effect.low_margin}, {"high_margin", effect.high_margin}});
+  }
+  nlohmann::ordered_json worst_coordinates;
+  const std::vector<std::string> names = planning::plannerCoordinateNames();
+  for (std::size_t i = 0; i < plan.worst_coordinates.size(); ++i)
+    worst_coordinates[names[i]] = plan.worst_coordinates[i];
+  return {{"start_mode", vehicle::modeName(plan.start_mode)},
+          {"target_mode", vehicle::modeName(plan.target_mode)},
+          {"accepted", plan.accepted},
+          {"reason", plan.reason},
+          {"pulse", pulseJson(plan.pulse)},
+          {"thrust_fraction", plan.thrust_fraction},
+          {"worst_margin", plan.worst_margin},
+          {"share_switched", plan.share_switched},
+          {"realisations", plan.realisations},
+          {"vertex_margin", plan.vertex_margin},
+          {"evaluations", plan.evaluations},
+          {"predictions", plan.predictions},
+          {"compute_seconds", plan.compute_seconds},
+          {"nominal", predictionJson(plan.nominal)},
+          {"worst", predictionJson(plan.worst)},
+          {"worst_coordinates", worst_coordinates},
+          {"influences", influences}};
+}
+
+nlohmann::ordered_json accidentsJson(const std::vector<planning::AccidentMargin>& margins) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& m : margins) {
+    list.push_back({{"name", m.name},
+                    {"explanation", m.explanation},
+                    {"mode", vehicle::modeName(m.mode)},
+                    {"unit", m.unit},
+                    {"limit", m.limit},
+                    {"occurs", m.occurs},
+                    {"holds", m.holds}});
+  }
+  return list;
+}
+
+}  // namespace
+
+void savePlan(const std::string& path, const vehicle::Vehicle& vehicle, const std::string& table_file,
+              const vehicle::Trial& trial, const planning::TransitionPlan& plan,
+              const std::vector<planning::AccidentMargin>* accidents) {
+  nlohmann::ordered_json json = {
+      {"inputs", inputsJson(vehicle, table_file)}, {"trial", trialJson(trial)}, {"plan", planJson(plan)}};
+  if (accidents) json["accidents"] = accidentsJson(*accidents);
+  common::writeFileAtomically(path, common::jsonText(json));
 }
 
 }  // namespace snapwing::validation

@@ -1,5 +1,5 @@
 #pragma once
-/// JSON of predictions and plans. Keys follow the messages; NaN becomes null.
+/// JSON of predictions, pulses and trials. Keys follow the messages; NaN becomes null.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
