@@ -66,26 +66,32 @@ Verdict verdictOf(const std::string& name) {
   return Verdict::FAIL;
 }
 
-/// The stage's note as its result; none if a file is not what it was.
-std::optional<StageResult> resultOf(const std::string& note, const std::string& folder) {
-  const ordered_json json = ordered_json::parse(note, nullptr, false);
-  if (!json.is_object() || !json.contains("files")) return std::nullopt;
-  StageResult result;
-  result.verdict = verdictOf(json.value("verdict", ""));
-  result.ends = json.value("ends", false);
-  result.words = json.value("words", "");
-  for (const auto& [file, hash] : json["files"].items()) {
+/// Which of the note's files is not what the stage left, and why; empty: none.
+std::string changedFile(const ordered_json& note, const std::string& folder) {
+  const ordered_json files = note.value("files", ordered_json::object());
+  for (const auto& [file, hash] : files.items()) {
     const std::string path = folder + "/" + file;
-    if (!fs::is_regular_file(path) || common::sha256OfFile(path) != hash) return std::nullopt;
-    result.files.push_back(file);
+    if (!fs::is_regular_file(path)) return file + " is not there any more";
+    if (common::sha256OfFile(path) != hash) return file + " is not what this stage left";
   }
+  return "";
+}
+
+/// The stage's note as its result; none if a file is not what it was.
+std::optional<StageResult> resultOf(const ordered_json& note, const std::string& folder) {
+  if (!note.contains("files") || !changedFile(note, folder).empty()) return std::nullopt;
+  StageResult result;
+  result.verdict = verdictOf(note.value("verdict", ""));
+  result.ends = note.value("ends", false);
+  result.words = note.value("words", "");
+  for (const auto& [file, hash] : note["files"].items()) result.files.push_back(file);
   result.kept = true;
   return result;
 }
 
 /// Names of the inputs in which a note and now differ.
 std::string differences(const ordered_json& note, const Inputs& now) {
-  const ordered_json was = note.is_object() ? note.value("inputs", ordered_json::object()) : ordered_json::object();
+  const ordered_json was = note.value("inputs", ordered_json::object());
   std::string names;
   for (const auto& [name, value] : now) {
     if (was.value(name, "") != value) names += (names.empty() ? "" : ", ") + name;
@@ -113,28 +119,21 @@ void Stages::working(const std::string& words, double share) {
 }
 
 std::string Stages::notedHash(const std::string& stage, const std::string& file) const {
-  const std::optional<std::string> note = kept_.loadAny(stage);
-  if (!note) return "";
-  const ordered_json json = ordered_json::parse(*note, nullptr, false);
-  if (!json.is_object() || !json.contains("files")) return "";
-  return json["files"].value(file, "");
+  const std::optional<ordered_json> note = kept_.loadAny(stage);
+  return note && note->contains("files") ? (*note)["files"].value(file, "") : "";
 }
 
 std::string Stages::whyAnew(const std::string& stage, const Inputs& inputs) const {
   const std::string key = keyOf(inputs);
   if (const auto note = kept_.loadAny(stage)) {
-    const ordered_json was = ordered_json::parse(*note, nullptr, false);
-    if (!kept_.load(stage, key)) return "anew: changed since it was done: " + differences(was, inputs);
-    const ordered_json files = was.is_object() ? was.value("files", ordered_json::object()) : ordered_json::object();
-    for (const auto& [file, hash] : files.items()) {
-      if (!fs::is_regular_file(path(file))) return "anew: " + file + " is not there any more";
-      if (common::sha256OfFile(path(file)) != hash) return "anew: " + file + " is not what this stage left";
-    }
+    if (!kept_.load(stage, key)) return "anew: changed since it was done: " + differences(*note, inputs);
+    const std::string changed = changedFile(*note, folder_);
+    if (!changed.empty()) return "anew: " + changed;
   }
   const auto begun = kept_.loadAny(stage + ".begun");
   if (!begun) return "";
   if (kept_.load(stage + ".begun", key)) return "goes on";
-  return "anew: changed since it was begun: " + differences(ordered_json::parse(*begun, nullptr, false), inputs);
+  return "anew: changed since it was begun: " + differences(*begun, inputs);
 }
 
 StageResult Stages::run(const std::string& stage, const Inputs& inputs,
@@ -152,7 +151,7 @@ StageResult Stages::run(const std::string& stage, const Inputs& inputs,
   tell(StageProgress::What::BEGUN, why, Verdict::TOLD, std::numeric_limits<double>::quiet_NaN());
   const bool goes_on = kept_.load(stage + ".begun", key).has_value();
   kept_.forget(stage);
-  kept_.save(stage + ".begun", key, ordered_json{{"inputs", jsonOf(inputs)}}.dump());
+  kept_.save(stage + ".begun", key, ordered_json{{"inputs", jsonOf(inputs)}});
   StageResult result = work(goes_on);
   result.stage = stage;
   ordered_json files = ordered_json::object();
@@ -162,8 +161,7 @@ StageResult Stages::run(const std::string& stage, const Inputs& inputs,
                           {"verdict", validation::verdictName(result.verdict)},
                           {"ends", result.ends},
                           {"words", common::shownBytes(result.words)},
-                          {"files", files}}
-                 .dump());
+                          {"files", files}});
   tell(StageProgress::What::DONE, result.words, result.verdict, 1);
   return result;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/output_file.h"
@@ -16,16 +17,6 @@ using nlohmann::ordered_json;
 
 /// NaN is null in the file.
 double numberOf(const ordered_json& j) { return j.is_number() ? j.get<double>() : std::nan(""); }
-
-ordered_json jsonOf(const RungOutcome& o) {
-  return {{"failure", o.failure},         {"end_mode", vehicle::modeName(o.end)},
-          {"snapped", o.snapped},         {"snap_time", o.snap_time},
-          {"peak_travel", o.peak_travel}, {"least_travel", o.least_travel},
-          {"energy_margin", o.margin},    {"imbalance", o.imbalance},
-          {"min_det_f", o.min_det_f},     {"threshold", o.threshold},
-          {"cpu_seconds", o.cpu_seconds}, {"time", o.time},
-          {"travel", o.travel},           {"thrust", o.thrust}};
-}
 
 RungOutcome outcomeOf(const ordered_json& j) {
   RungOutcome o;
@@ -52,7 +43,8 @@ std::optional<ordered_json> wholeOf(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return std::nullopt;
   ordered_json whole = ordered_json::parse(in, nullptr, false);
-  const bool good = whole.is_object() && whole.contains("key") && whole["key"].is_string() && whole.contains("outcome");
+  const bool good = whole.is_object() && whole.contains("key") && whole["key"].is_string() &&
+                    whole.contains("outcome") && whole["outcome"].is_object();
   return good ? std::optional(whole) : std::nullopt;
 }
 
@@ -62,29 +54,37 @@ KeptResults::KeptResults(std::string folder) : folder_(std::move(folder)) { comm
 
 std::string KeptResults::path(const std::string& name) const { return folder_ + "/" + name + ".json"; }
 
-std::optional<std::string> KeptResults::load(const std::string& name, const std::string& key) const {
-  const std::optional<ordered_json> whole = wholeOf(path(name));
+std::optional<ordered_json> KeptResults::load(const std::string& name, const std::string& key) const {
+  std::optional<ordered_json> whole = wholeOf(path(name));
   if (!whole || (*whole)["key"].get<std::string>() != key) return std::nullopt;
-  return (*whole)["outcome"].dump();
+  return std::move((*whole)["outcome"]);
 }
 
-std::optional<std::string> KeptResults::loadAny(const std::string& name) const {
-  const std::optional<ordered_json> whole = wholeOf(path(name));
-  return whole ? std::optional((*whole)["outcome"].dump()) : std::nullopt;
+std::optional<ordered_json> KeptResults::loadAny(const std::string& name) const {
+  std::optional<ordered_json> whole = wholeOf(path(name));
+  if (!whole) return std::nullopt;
+  return std::move((*whole)["outcome"]);
 }
 
-void KeptResults::save(const std::string& name, const std::string& key, const std::string& json) const {
-  common::writeFileAtomically(path(name),
-                              common::jsonText(ordered_json{{"key", key}, {"outcome", ordered_json::parse(json)}}));
+void KeptResults::save(const std::string& name, const std::string& key, const ordered_json& result) const {
+  common::writeFileAtomically(path(name), common::jsonText(ordered_json{{"key", key}, {"outcome", result}}));
 }
 
 void KeptResults::forget(const std::string& name) const { std::filesystem::remove(path(name)); }
 
-std::string outcomeText(const RungOutcome& outcome) { return common::jsonText(jsonOf(outcome)); }
+ordered_json keptOutcome(const RungOutcome& o) {
+  return {{"failure", o.failure},         {"end_mode", vehicle::modeName(o.end)},
+          {"snapped", o.snapped},         {"snap_time", o.snap_time},
+          {"peak_travel", o.peak_travel}, {"least_travel", o.least_travel},
+          {"energy_margin", o.margin},    {"imbalance", o.imbalance},
+          {"min_det_f", o.min_det_f},     {"threshold", o.threshold},
+          {"cpu_seconds", o.cpu_seconds}, {"time", o.time},
+          {"travel", o.travel},           {"thrust", o.thrust}};
+}
 
-bool readOutcome(const std::string& text, RungOutcome* outcome) {
+bool readOutcome(const ordered_json& kept, RungOutcome* outcome) {
   try {
-    *outcome = outcomeOf(ordered_json::parse(text));
+    *outcome = outcomeOf(kept);
     return true;
   } catch (const std::exception&) {
     return false;

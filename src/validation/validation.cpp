@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "snapwing/common/error.h"
@@ -184,7 +185,7 @@ class TrialRuns {
  private:
   bool cancelled() const { return hooks_.cancelled && hooks_.cancelled(); }
   bool known(ValidationTrial& t, const std::string& key) const {
-    const std::optional<std::string> kept = kept_ ? kept_->load(t.name, key) : std::nullopt;
+    const std::optional<nlohmann::ordered_json> kept = kept_ ? kept_->load(t.name, key) : std::nullopt;
     return kept && readOutcome(*kept, &t.outcome);
   }
   void one(ValidationTrial& t) {
@@ -193,7 +194,7 @@ class TrialRuns {
     if (!known(t, key)) {
       t.outcome = t.role == TrialRole::THRESHOLD ? runner_.shortest(t.trial) : runner_.run(t.trial);
       if (cancelled()) return;
-      if (kept_) kept_->save(t.name, key, outcomeText(t.outcome));
+      if (kept_) kept_->save(t.name, key, keptOutcome(t.outcome));
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     if (hooks_.progress) hooks_.progress(++done_, all_, t.name);

@@ -1,6 +1,7 @@
 #pragma once
 /// Results of long work, each in a file of its own as soon as it is there, so that a stopped run goes on.
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -12,13 +13,13 @@ class KeptResults {
  public:
   /// @param folder  of the files; made if it is not there. @throws common::FileError
   explicit KeptResults(std::string folder);
-  /// @param key  hash of all that the result depends on. @return the result, JSON; none if there is none, or of another
+  /// @param key  hash of all that the result depends on. @return the result; none if there is none, or of another
   /// key, or a damaged one
-  std::optional<std::string> load(const std::string& name, const std::string& key) const;
+  std::optional<nlohmann::ordered_json> load(const std::string& name, const std::string& key) const;
   /// The result, whatever its key.
-  std::optional<std::string> loadAny(const std::string& name) const;
-  /// @param json  an object. @throws common::FileError
-  void save(const std::string& name, const std::string& key, const std::string& json) const;
+  std::optional<nlohmann::ordered_json> loadAny(const std::string& name) const;
+  /// @param result  an object. @throws common::FileError
+  void save(const std::string& name, const std::string& key, const nlohmann::ordered_json& result) const;
   void forget(const std::string& name) const;
 
  private:
@@ -27,8 +28,8 @@ class KeptResults {
 };
 
 /// A trial's outcome as it is kept; NaN is null.
-std::string outcomeText(const RungOutcome& outcome);
-/// @return false if the text is none; `outcome` is then as it was
-bool readOutcome(const std::string& text, RungOutcome* outcome);
+nlohmann::ordered_json keptOutcome(const RungOutcome& outcome);
+/// @return false if it is none; `outcome` is then as it was
+bool readOutcome(const nlohmann::ordered_json& kept, RungOutcome* outcome);
 
 }  // namespace snapwing::validation
