@@ -2,6 +2,8 @@
 set(SNAPWING_CATKIN actionlib actionlib_msgs diagnostic_msgs diagnostic_updater geometry_msgs roscpp sensor_msgs
     std_msgs std_srvs tf2 tf2_ros visualization_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation rostest ${SNAPWING_CATKIN})
+find_package(rosbag_storage REQUIRED)
+find_package(tf2_msgs REQUIRED)
 file(GLOB snapwing_msgs RELATIVE ${PROJECT_SOURCE_DIR}/msg CONFIGURE_DEPENDS msg/*.msg)
 file(GLOB snapwing_srvs RELATIVE ${PROJECT_SOURCE_DIR}/srv CONFIGURE_DEPENDS srv/*.srv)
 file(GLOB snapwing_actions RELATIVE ${PROJECT_SOURCE_DIR}/action CONFIGURE_DEPENDS action/*.action)

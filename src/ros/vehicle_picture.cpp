@@ -117,13 +117,16 @@ MarkerArray VehiclePicture::draw(const PictureState& state) const {
 
 void VehiclePicture::drawMoving(MarkerArray& out, const PictureState& state) const {
   drawArms(out, state);
-  if (wing_) drawDesignedWings(*wing_, state.travel, &out);
+  if (!wing_) return;
+  const auto orTravel = [&](double u) { return std::isnan(u) ? state.travel : u; };
+  drawDesignedWings(*wing_, {orTravel(state.wing_left), orTravel(state.wing_right)}, &out);
 }
 
 void VehiclePicture::drawGhost(MarkerArray& out, const PictureState& state) const {
   const vehicle::Geometry& g = vehicle_.geometry;
   PictureState other = state;
   other.travel = state.ghost_travel;
+  other.wing_left = other.wing_right = NAN;
   MarkerArray ghost;
   drawMoving(ghost, other);
   Marker housing = makeMarker("housing", 0, Marker::CYLINDER, colour(0.36, 0.39, 0.45));

@@ -1,6 +1,8 @@
 #include "snapwing/ros/wing_picture.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "snapwing/ros/marker_parts.h"
 
@@ -39,10 +41,23 @@ void addLine(Marker* lines, const Point& a, const Point& b) {
 
 }  // namespace
 
-void drawDesignedWings(const vehicle::WingTable& t, double travel, visualization_msgs::MarkerArray* out) {
+double travelOfWingAngle(const vehicle::WingTable& t, double angle) {
+  const double wanted = std::copysign(1.0, t.wing_angle.back()) * angle;
+  double nearest = t.travel.front(), off = std::abs(t.wing_angle.front() - wanted);
+  for (std::size_t k = 0; k + 1 < t.travel.size(); ++k) {
+    const double a = t.wing_angle[k], b = t.wing_angle[k + 1];
+    const double s = a == b ? 0.0 : std::clamp((wanted - a) / (b - a), 0.0, 1.0);
+    const double here = std::abs(a + s * (b - a) - wanted);
+    if (here < off) off = here, nearest = t.travel[k] + s * (t.travel[k + 1] - t.travel[k]);
+  }
+  return nearest;
+}
+
+void drawDesignedWings(const vehicle::WingTable& t, const std::array<double, 2>& travel,
+                       visualization_msgs::MarkerArray* out) {
   for (const int side : {1, -1}) {
     const int id = side > 0 ? 0 : 2;
-    const WingPoints wing(t, travel, side);
+    const WingPoints wing(t, travel[side > 0 ? 0 : 1], side);
     const Point joint1 = wing.at(t.joint1_x, t.joint1_y), joint2 = wing.at(t.joint2_x, t.joint2_y);
     std::array<Point, 5> ends{wing.at(t.tip_x, t.tip_y)};
     for (std::size_t i = 0; i < t.folds.size(); ++i) ends[i + 1] = wing.fold(t.folds[i]);

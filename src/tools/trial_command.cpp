@@ -21,6 +21,7 @@
 #include "snapwing/scene/rung.h"
 #include "snapwing/validation/prediction_json.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "trial_bag_call.h"
 #include "trial_frames.h"
 
 namespace snapwing::tools {
@@ -34,7 +35,7 @@ struct Options {
   std::string file, folder;
   int threads = 1;
   double vtu_every = 0;  // [s]
-  bool quiet = false, vtu = false;
+  bool quiet = false, vtu = false, bag = false;
 };
 
 /// A trial with what it names, and the files that it writes.
@@ -325,14 +326,18 @@ void addTrialCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option("--vtu-every", options->vtu_every, "a deformed arm every so often [s], and trial.pvd for ParaView")
       ->check(realNumber(1e-4, 10, "s"));
+  command->add_flag("--bag", options->bag,
+                    "also write run.bag for rviz and Foxglove: frames, markers, joint states (needs a build with ROS)");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
       "Exit code: 0 settled in F or Q, 1 not settled or stopped, 2 bad input. The same command goes on "
       "with a run that was stopped.");
   command->callback([options, &exit_code] {
     const Work work(*options);
+    const std::string bag_program = options->bag ? bagProgram() : "";
     common::makeFolder(options->folder);
     exit_code = work.file.rung == motion::TrialRung::LUMPED ? runLumped(work) : runSolid(work);
+    if (options->bag && !InterruptGuard::interrupted()) callBagProgram(bag_program, options->folder);
   });
 }
 

@@ -1,7 +1,10 @@
 """`snapwing trial`: its files, what it refuses, and that a killed run goes on to the same bits."""
+import csv
 import json
 import os
+import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -17,6 +20,19 @@ initial_thrust: 0
 pulse: {{thrust: 0.5, duration: 0.06}}
 rung: planar
 solid: {{cell_size: 0.0025}}
+"""
+
+
+WINGED = """trial: winged
+vehicle: {root}/config/vehicles/arris_x220.yaml
+mount: free
+wings: on
+start: F
+pulse: {{thrust: 0.5, duration: 0.05}}
+wing_friction: {{left: 1, right: 3}}
+rung: planar
+solid: {{cell_size: 0.0025, wing_stop: 10}}
+horizon: 0.05
 """
 
 
@@ -71,6 +87,37 @@ class Trial(Case):
         self.assertEqual(none.returncode, 2)
         self.assertIn(b"nowhere", none.stderr)
         self.assertNotIn(b"Traceback", none.stderr)
+
+    def test_a_bag_holds_the_series(self):
+        if not pathlib.Path(os.environ["SNAPWING"]).with_name("trial_bag").exists():
+            self.skipTest("a build without ROS")
+        import rosbag  # pylint: disable=import-outside-toplevel
+        self.snapwing("trial", self.file("t.yaml", WINGED.format(root=ROOT)), "-o", "out", "-q", "--bag", code=1)
+        with open(self.folder / "out" / "series.csv", encoding="utf-8") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        with rosbag.Bag(str(self.folder / "out" / "run.bag")) as bag:
+            joints = [(stamp.to_sec() - 1, message) for _, message, stamp in bag.read_messages(topics=["/joint_states"])]
+            kinds = {name: topic.msg_type for name, topic in bag.get_type_and_topic_info().topics.items()}
+        self.assertEqual(kinds["/tf"], "tf2_msgs/TFMessage")
+        self.assertEqual(kinds["/markers"], "visualization_msgs/MarkerArray")
+        self.assertEqual(kinds["/mode_state"], "snapwing/ModeState")
+        self.assertEqual(len(joints), len(rows))
+        for (moment, message), row in zip(joints, rows):
+            self.assertAlmostEqual(moment, row["time_s"], delta=1e-8)
+            found = dict(zip(message.name, message.position))
+            for joint, column in (("travel", "travel_m"), ("wing_left", "wing_left_rad"), ("wing_right", "wing_right_rad")):
+                self.assertAlmostEqual(found[joint], row[column], delta=1e-8)
+
+    def test_a_build_without_ros_says_so_before_the_work(self):
+        alone = self.folder / "bin" / "snapwing"
+        alone.parent.mkdir()
+        shutil.copy(os.environ["SNAPWING"], alone)
+        done = subprocess.run([alone, "trial", self.file("t.yaml", self.text()), "-o", "out", "--bag"], cwd=self.folder,
+                              stderr=subprocess.PIPE, check=False)
+        self.assertEqual(done.returncode, 2)
+        for word in (b"--bag", b"trial_bag", b"SNAPWING_WITH_ROS"):
+            self.assertIn(word, done.stderr)
+        self.assertFalse((self.folder / "out" / "series.csv").exists())
 
     def test_bad_trials_are_refused_by_key_value_and_range(self):
         for change, words in ((("duration: 0.06", "duration: -1"), ("pulse.duration", "-1", "0")),

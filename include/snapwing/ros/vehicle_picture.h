@@ -34,6 +34,7 @@ struct PictureState {
   std::string label;                            ///< text over the vehicle
   double alpha = 1;                             ///< [0, 1] of everything, less where the mode is not known
   double ghost_travel = NAN;                    ///< u [m] of a second picture beside it, faint; NaN = none
+  double wing_left = NAN, wing_right = NAN;     ///< u [m] at which the table has that wing so; NaN = at `travel`
   std::vector<double> thrust;                   ///< share of full thrust [0, 1] of each rotor; may be empty
   ros::Time stamp;
 };
