@@ -1,9 +1,12 @@
 // Cost of one iteration of the arm's design against the degrees of freedom of one equilibrium, by phases.
+//   bench_arm_design [planar|volumetric CELL_SIZE_M ITERATIONS]     one row of the table alone, on one thread
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
+#include <string>
 
 #include "snapwing/design/arm/arm_topology.h"
 #include "support/paths.h"
@@ -29,9 +32,9 @@ Seconds difference(const Seconds& a, const Seconds& b) {
           a.retraces - b.retraces};
 }
 
-/// The first iteration, traced from rest, and five warm ones with steps as an optimiser makes them: each variable by up
+/// The first iteration, traced from rest, and some warm ones with steps as an optimiser makes them: each variable by up
 /// to .05. Shares are of the seconds that the threads spent; derivatives hold a factor, a solve and the rest of theirs.
-void measure(bool volumetric, double cell, int threads) {
+void measure(bool volumetric, double cell, int threads, int count = 5) {
   ArmDesignSettings s = loadArmDesignSettings(snapwing::test::sourceDir() + "/config/designs/arm_default.yaml");
   s.stages = {{volumetric, cell, 100, 0.05}};
   s.threads = threads;
@@ -43,11 +46,10 @@ void measure(bool volumetric, double cell, int threads) {
     std::printf("not evaluated\n");
     return;
   }
-  constexpr int COUNT = 5;
   const double cpu = cpuSeconds(), wall = wallSeconds();
   const long before = problem.newtonIterations();
   const Seconds begin = problem.seconds();
-  for (int k = 1; k <= COUNT; ++k) {
+  for (int k = 1; k <= count; ++k) {
     for (Eigen::Index j = 0; j < x.size(); ++j)
       x(j) -= 0.025 * (1 + std::sin(0.37 * k + 0.05 * static_cast<double>(j)));
     problem.beginIteration(k, 100);
@@ -60,15 +62,19 @@ void measure(bool volumetric, double cell, int threads) {
   std::printf("| %s | %.1f | %d | %d | %d | %d | %.1f | %.2f | %.2f | %.2f | %.0f | %.0f | %.0f | %.0f |\n",
               volumetric ? "volumetric" : "planar", 1e3 * cell, problem.variableCount(), problem.freedomCount(),
               static_cast<int>(equilibria), threads,
-              static_cast<double>(problem.newtonIterations() - before) / (COUNT * equilibria), cpu - cold,
-              (cpu_end - cpu) / COUNT, (wall_end - wall) / COUNT, spent.assembly / whole, spent.factor / whole,
+              static_cast<double>(problem.newtonIterations() - before) / (count * equilibria), cpu - cold,
+              (cpu_end - cpu) / count, (wall_end - wall) / count, spent.assembly / whole, spent.factor / whole,
               spent.solve / whole, spent.derivatives / whole);
   std::fflush(stdout);
 }
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc == 4) {
+    measure(argv[1] == std::string("volumetric"), std::atof(argv[2]), 1, std::atoi(argv[3]));
+    return 0;
+  }
   std::printf(
       "| rung | cell mm | variables | freedoms | equilibria | threads | Newton per equilibrium | CPU s, from rest | "
       "CPU "

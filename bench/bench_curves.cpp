@@ -1,6 +1,6 @@
 // Every point of a scene's curve, or of the shipped vehicle's arm, with all digits: what must not change by accident
 // when the solver is rebuilt. bench/curves runs it over config/scenes and compares two results.
-//   bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS     0: as the scene says
+//   bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS [TOLERANCE]     0: as the scene says
 //   bench_curves VEHICLE.yaml                           its arm in the plane
 #include <cmath>
 #include <cstdio>
@@ -16,7 +16,7 @@ namespace {
 
 using namespace snapwing;
 
-constexpr double TOLERANCE = 1e-12;
+double tolerance = 1e-12;  // of Newton's method, by the last argument
 
 void print(const char* word, const Eigen::VectorXd& values) {
   std::printf("%s", word);
@@ -42,7 +42,7 @@ void traceSceneFile(const std::string& file, const std::string& drive, double ce
   if (steps > 0) scene.steps = steps;
   const auto compiled = scene::compileScene(scene, 1);
   statics::TraceSettings settings;
-  settings.newton.relative_tolerance = TOLERANCE;
+  settings.newton.relative_tolerance = tolerance;
   settings.method = statics::TraceMethod::AUTOMATIC;
   const statics::SceneCurve curve =
       statics::traceScene(scene, *compiled, settings, [](double, double) { return false; });
@@ -64,7 +64,7 @@ void traceVehicle(const std::string& file) {
   const scene::Scene scene = scene::armScene(vehicle, design, settings);
   const auto arm = scene::compileScene(scene, 1);
   statics::TraceSettings trace;
-  trace.newton.relative_tolerance = TOLERANCE;
+  trace.newton.relative_tolerance = tolerance;
   const statics::SceneCurve curve = statics::traceScene(scene, *arm, trace, {});
   const vehicle::ForceTable t = curve.table();
   for (std::size_t k = 0; k < t.travel.size(); ++k) {
@@ -80,10 +80,11 @@ void traceVehicle(const std::string& file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 5) {
-    std::fprintf(stderr, "usage: bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS | bench_curves VEHICLE.yaml\n");
+  if (argc != 2 && argc != 5 && argc != 6) {
+    std::fprintf(stderr, "usage: bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS [TOLERANCE] | bench_curves VEHICLE.yaml\n");
     return 2;
   }
+  if (argc == 6) tolerance = std::atof(argv[5]);
   try {
     if (argc == 2)
       traceVehicle(argv[1]);

@@ -175,7 +175,7 @@ class Arm:
         self.u.x.array[self.driven] = -travel
 
     def start(self, travel):
-        """Tangent guess of the first step: a moved face alone would turn the cells behind it inside out."""
+        """Tangent guess of the first step: a moved face alone would invert the cells behind it."""
         move = self.du.duplicate()
         move.array[self.driven] = -travel
         self.a.zeroEntries()
@@ -187,7 +187,7 @@ class Arm:
         self.step(False)
 
     def settle(self):
-        """Backs off a step that turned cells inside out."""
+        """Backs off a step that inverted cells."""
         force, norm = self.evaluate()
         share = 1.0
         while not np.isfinite(norm) and share > 1e-3:

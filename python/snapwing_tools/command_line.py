@@ -50,7 +50,7 @@ class CommandLine:
                                   universal_newlines=True)
         except (OSError, subprocess.TimeoutExpired) as error:
             return str(error)
-        # 1 is an honest negative outcome (refused, not switched); the file is there all the same.
+        # 1 is a negative answer (refused, not switched); the file is there all the same.
         if done.returncode in (0, 1) and os.path.isfile(output) and os.path.getsize(output):
             return None
         text = done.stdout.strip().splitlines()

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scene/jointed_truss.h"
+#include "scene/scene_text.h"
 #include "snapwing/statics/features.h"
 #include "snapwing/statics/scene_curve.h"
 #include "support/paths.h"
@@ -234,6 +235,25 @@ TEST(Features, DoNotDependOnThePath) {
     EXPECT_EQ(found[0][k].kind, found[1][k].kind);
     EXPECT_NEAR(found[0][k].point.control, found[1][k].point.control, 1e-9) << k;  // of 20 mm
     EXPECT_NEAR(found[0][k].point.force, found[1][k].point.force, 1e-8) << k;
+  }
+}
+
+/// No equilibrium has the far end of a bar beyond its held one: a path that is asked there ends with a reason.
+TEST(SceneCurve, ImpossibleTravelIsReportedNotInvented) {
+  const SceneCurve curve = scene::trace(scene::sceneFromText(
+      "scene: bar\nlength_unit: mm\ndimension: 2\nplane: strain\nkernel: linear_reduced\ncell_size: 0.5\n"
+      "bodies:\n  bar:\n    material: {youngs_modulus: 5.5e+6, poisson_ratio: 0.48}\n    thickness: 1\n"
+      "    shape: {box: {x: [0, 8], y: [0, 2]}}\n"
+      "supports: [{name: left, body: bar, region: {x: [0, 0]}, hold: xy}]\n"
+      "ports: [{name: right, body: bar, region: {x: [8, 8]}, direction: [-1, 0], cross_motion: held}]\n"
+      "path: {to: 9, steps: 9}\n"));
+  EXPECT_NE(curve.path.status, solver::SolveStatus::CONVERGED);
+  EXPECT_FALSE(curve.path.message.empty());
+  ASSERT_GT(curve.path.points.size(), 3u) << "what is possible is there";
+  for (const PathPoint& p : curve.path.points) {
+    EXPECT_LT(p.control, 8e-3);
+    EXPECT_GT(p.min_det_f, 0);
+    EXPECT_TRUE(std::isfinite(p.force));
   }
 }
 

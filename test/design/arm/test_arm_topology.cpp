@@ -1,4 +1,4 @@
-// The arm problem: settings, gradients, a short run that goes the right way, resume, honest failures.
+// The arm problem: settings, gradients, a short run that goes the right way, resume, failures that are told.
 #include <gtest/gtest.h>
 
 #include <algorithm>

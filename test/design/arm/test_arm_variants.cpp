@@ -1,4 +1,4 @@
-// What the arm's design can do besides the default: limits, solids, stages, threads, other mechanisms, honest ends.
+// What the arm's design can do besides the default: limits, solids, stages, threads, other mechanisms, ends that are told.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The linkage as solids on the mpm floor: rigid limit, derivatives, joints, both solvers, ladder, refusals, 3-D.
+// The linkage as solids on the mpm layer: rigid limit, derivatives, joints, both solvers, ladder, refusals, 3-D.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The wing design on rigid bars: derivatives of the problem, the paper's numbers, other layouts, honest refusals.
+// The wing design on rigid bars: derivatives of the problem, the paper's numbers, other layouts, refusals.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
