@@ -81,7 +81,8 @@ void traceVehicle(const std::string& file) {
 
 int main(int argc, char** argv) {
   if (argc != 2 && argc != 5 && argc != 6) {
-    std::fprintf(stderr, "usage: bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS [TOLERANCE] | bench_curves VEHICLE.yaml\n");
+    std::fprintf(stderr,
+                 "usage: bench_curves SCENE.yaml DRIVE CELL_SIZE_M STEPS [TOLERANCE] | bench_curves VEHICLE.yaml\n");
     return 2;
   }
   if (argc == 6) tolerance = std::atof(argv[5]);

@@ -1,4 +1,5 @@
-// What the arm's design can do besides the default: limits, solids, stages, threads, other mechanisms, ends that are told.
+// What the arm's design can do besides the default: limits, solids, stages, threads, other mechanisms, ends that are
+// told.
 #include <gtest/gtest.h>
 
 #include <algorithm>
