@@ -241,6 +241,43 @@ std::vector<Check> checkTrials(const Validation& found, const vehicle::Vehicle& 
   return all;
 }
 
+namespace {
+
+constexpr char HELD_UPRIGHT[] = "ring held upright in F";  // of planning::accidentMargins
+
+bool mustSurvive(const vehicle::Vehicle& vehicle, const std::string& accident) {
+  const auto& wanted = vehicle.must_survive;
+  return std::find(wanted.begin(), wanted.end(), accident) != wanted.end();
+}
+
+}  // namespace
+
+std::vector<Check> checkCarried(const Validation& found, const vehicle::Vehicle& vehicle) {
+  constexpr double SEARCH = 0.02;  // [N] of a limit from two searches that end within .01 N each
+  const RungOutcome* sizes[2] = {nullptr, nullptr};
+  for (const ValidationTrial& t : found.trials) {
+    if (t.role == TrialRole::CARRIED) sizes[t.finer ? 1 : 0] = &t.outcome;
+  }
+  const auto lumped = std::find_if(found.accidents.begin(), found.accidents.end(),
+                                   [](const auto& a) { return a.name == HELD_UPRIGHT; });
+  if (sizes[0] == nullptr || lumped == found.accidents.end()) return {};
+  Estimate limit{sizes[0]->threshold, 0};
+  std::string words = "what F carries on soft arms with the ring held; lumped " + shortly(lumped->limit) + " N";
+  if (sizes[1] != nullptr) {
+    limit = limitOfCells(sizes[1]->threshold, sizes[0]->threshold, 2);
+    limit.error = std::max(limit.error, SEARCH);
+    char text[80];
+    std::snprintf(text, sizeof text, "; %.2f, %.2f N on two cell sizes", sizes[0]->threshold, sizes[1]->threshold);
+    words += text;
+  }
+  for (const RungOutcome* one : sizes) {
+    if (one != nullptr && !one->failure.empty()) words += "; " + one->failure;
+  }
+  Check check = within(std::string("accident: ") + HELD_UPRIGHT + ", planar", limit, lumped->occurs, NAN, "N", words);
+  if (!mustSurvive(vehicle, HELD_UPRIGHT)) check.verdict = Verdict::TOLD;
+  return {check};
+}
+
 std::vector<Check> checkAccidents(const std::vector<planning::AccidentMargin>& accidents,
                                   const vehicle::Vehicle& vehicle) {
   std::string known;
@@ -251,8 +288,11 @@ std::vector<Check> checkAccidents(const std::vector<planning::AccidentMargin>& a
   }
   std::vector<Check> checks;
   for (const auto& a : accidents) {
-    const auto& wanted = vehicle.must_survive;
-    const bool gates = std::find(wanted.begin(), wanted.end(), a.name) != wanted.end();
+    const bool gates = mustSurvive(vehicle, a.name);
+    if (gates && !std::isfinite(a.occurs)) {
+      throw common::SettingError(vehicle.file, "must_survive", a.name,
+                                 "an accident that states what is met; how much of this one is met is up to the pilot");
+    }
     std::string words = a.explanation;
     if (std::isinf(a.limit)) words += "; no limit within reach";
     Check check = told("accident: " + a.name, a.limit, a.unit, words);

@@ -131,13 +131,13 @@ std::string trialTable(const Validation& found) {
       "<th></th></tr>\n";
   for (const ValidationTrial& t : found.trials) {
     const RungOutcome& o = t.outcome;
-    const bool search = t.role == TrialRole::THRESHOLD;
+    const bool carried = t.role == TrialRole::CARRIED, search = t.role == TrialRole::THRESHOLD || carried;
+    const std::string limit =
+        carried ? "carries " + number(o.threshold) + " N" : "shortest pulse " + number(1e3 * o.threshold) + " ms";
     html += "<tr>" + cell(t.name) + cell(search ? "" : vehicle::modeName(o.end)) +
             cell(number(1e3 * o.snap_time), "n") +
             cell(search ? "" : number(1e3 * o.least_travel) + " .. " + number(1e3 * o.peak_travel), "n") +
-            cell(number(o.cpu_seconds), "n") +
-            cell(search && o.failure.empty() ? "shortest pulse " + number(1e3 * o.threshold) + " ms" : o.failure) +
-            "</tr>\n";
+            cell(number(o.cpu_seconds), "n") + cell(search && o.failure.empty() ? limit : o.failure) + "</tr>\n";
   }
   return html + "</table>\n";
 }
@@ -194,7 +194,8 @@ std::string reportJson(const Validation& found, const ReportHead& head) {
                       {"snap_time", o.snap_time},
                       {"least_travel", o.least_travel},
                       {"peak_travel", o.peak_travel},
-                      {"shortest_pulse", o.threshold},
+                      {"shortest_pulse", t.role == TrialRole::CARRIED ? NAN : o.threshold},
+                      {"carried", t.role == TrialRole::CARRIED ? o.threshold : NAN},
                       {"cpu_seconds", o.cpu_seconds}});
   }
   return common::jsonText(ordered_json{{"vehicle", head.vehicle},

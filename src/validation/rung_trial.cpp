@@ -9,6 +9,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/motion/axis_trial.h"
+#include "snapwing/rom/loaded_basins.h"
 #include "snapwing/rom/lumped_model.h"
 
 namespace snapwing::validation {
@@ -169,6 +170,39 @@ double RungRunner::shortestSolid(const RungTrial& trial) const {
   return found;
 }
 
+double RungRunner::carriedLumped(const RungTrial& trial) const {
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  return rom::LoadedBasins(model.potential(), model.inertiaOf(trial.trial)).limit(trial.start, trial.trial.gravity);
+}
+
+double RungRunner::carriedSolid(const RungTrial& trial) const {
+  constexpr double ENOUGH = 0.01, FIRST = 0.1, MOST = 8;  // [N]
+  vehicle::Trial surroundings = trial.trial;
+  surroundings.wings = rom::wingsAct(trial.trial, vehicle_.hasWing());
+  const auto carries = [&](double weight) {
+    if (cancelled_ && cancelled_()) throw common::Error("cancelled");
+    vehicle::VehicleParameters p = parametersOf(trial);
+    p.centre_mass = weight / trial.trial.gravity;
+    const motion::AxisVehicle solid(printed_, p, surroundings, settingsOf(trial), wing_);
+    bool held = false;
+    solid.start(trial.start, 0, &held);
+    return held;
+  };
+  const double near = std::isfinite(trial.near) ? trial.near : carriedLumped(trial);
+  double low = near, high = near;
+  if (carries(near)) {
+    for (double away = FIRST; carries(high = near + away); away *= 2) {
+      if (low = high; away > MOST) throw common::Error("no weight is too heavy");
+    }
+  } else {
+    for (double away = FIRST; !carries(low = std::max(0.0, near - away)); away *= 2) {
+      if (high = low; low <= 0) throw common::Error("the start mode carries nothing");
+    }
+  }
+  while (high - low > ENOUGH) (carries(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+  return low;
+}
+
 namespace {
 
 /// What `compute` leaves, or why it leaves nothing, and its time.
@@ -198,6 +232,12 @@ motion::AxisVehicle RungRunner::solidOf(const RungTrial& trial) const {
 RungOutcome RungRunner::run(const RungTrial& trial) const {
   return accounted([&](RungOutcome& out) {
     out = trial.rung == motion::TrialRung::LUMPED ? runLumped(trial) : runSolid(trial, solidOf(trial));
+  });
+}
+
+RungOutcome RungRunner::carried(const RungTrial& trial) const {
+  return accounted([&](RungOutcome& out) {
+    out.threshold = trial.rung == motion::TrialRung::LUMPED ? carriedLumped(trial) : carriedSolid(trial);
   });
 }
 

@@ -50,6 +50,18 @@ class TrialList {
       addSamples();
     }
   }
+  /// What F carries on soft arms, as the accident of that name has it by the tables.
+  void addCarried() {
+    ValidationTrial t;
+    t.plan = -1;
+    t.role = TrialRole::CARRIED;
+    t.name = "held_upright_planar";
+    t.trial.rung = TrialRung::PLANAR;
+    t.trial.cell_size = settings_.planar_cell;
+    t.trial.trial.mount = vehicle::Mount::HELD;
+    t.trial.trial.gravity = 9.81;
+    trials_.push_back(std::move(t));
+  }
   std::vector<ValidationTrial> take() { return std::move(trials_); }
 
  private:
@@ -157,7 +169,7 @@ std::vector<ValidationTrial> finerTwins(const std::vector<ValidationTrial>& tria
   std::vector<ValidationTrial> twins;
   for (const ValidationTrial& t : trials) {
     if (t.trial.rung != TrialRung::PLANAR || t.role == TrialRole::HALF_STEP) continue;
-    const bool search = t.role == TrialRole::THRESHOLD;
+    const bool search = t.role == TrialRole::THRESHOLD || t.role == TrialRole::CARRIED;
     if (search ? !std::isfinite(t.outcome.threshold) : t.role != TrialRole::NOMINAL && t.outcome.snapped) continue;
     ValidationTrial& twin = twins.emplace_back(t);
     twin.name += "_fine";
@@ -167,6 +179,15 @@ std::vector<ValidationTrial> finerTwins(const std::vector<ValidationTrial>& tria
     if (search) twin.trial.near = t.outcome.threshold;
   }
   return twins;
+}
+
+/// Accidents that a switch may meet, by the tables.
+void addFaults(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+               const std::optional<vehicle::WingTable>& wing, Validation* found) {
+  std::vector<planning::AskedSwitch> switches;
+  for (const PlanFile& plan : found->plans) switches.push_back({plan.start, plan.pulse, plan.trial});
+  const std::vector<planning::AccidentMargin> faults = planning::faultMargins(vehicle, table, wing, switches);
+  found->accidents.insert(found->accidents.end(), faults.begin(), faults.end());
 }
 
 /// Runs all trials, or takes what an earlier run has left.
@@ -192,7 +213,9 @@ class TrialRuns {
     if (cancelled()) return;
     const std::string key = keyOf(t, inputs_);
     if (!known(t, key)) {
-      t.outcome = t.role == TrialRole::THRESHOLD ? runner_.shortest(t.trial) : runner_.run(t.trial);
+      t.outcome = t.role == TrialRole::THRESHOLD ? runner_.shortest(t.trial)
+                  : t.role == TrialRole::CARRIED ? runner_.carried(t.trial)
+                                                 : runner_.run(t.trial);
       if (cancelled()) return;
       if (kept_) kept_->save(t.name, key, keptOutcome(t.outcome));
     }
@@ -229,7 +252,6 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
   };
   const bool winged = wing.has_value();
   found.accidents = planning::accidentMargins(vehicle, table, winged ? wing : std::nullopt);
-  const std::vector<Check> accidents = checkAccidents(found.accidents, vehicle);
   const planning::PulsePlanner planner(vehicle, table, {}, wing);
   if (plans.empty()) {
     plans = planBoth(vehicle, planner, &found.checks);
@@ -237,12 +259,16 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
     add(checkOrigin(plans, vehicle, common::sha256OfFile(vehicle.arm.table_file)));
   }
   found.plans = plans;
+  addFaults(vehicle, table, winged ? wing : std::nullopt, &found);
+  const std::vector<Check> accidents = checkAccidents(found.accidents, vehicle);
   const std::string body = settings.body.empty() ? vehicle.arm.density_file : settings.body;
   if (hooks.progress) hooks.progress(0, 0, "static curve");
   found.curves.push_back(traceArm(vehicle, body, settings.planar_cell, hooks.cancelled));
   if (settings.extrapolate) found.curves.push_back(traceArm(vehicle, body, settings.planar_cell / 2, hooks.cancelled));
   add(checkCurve(found.curves, table, vehicle));
-  found.trials = TrialList(vehicle, settings, planner, found.plans).take();
+  TrialList list(vehicle, settings, planner, found.plans);
+  list.addCarried();
+  found.trials = list.take();
   const RungRunner runner(vehicle, table, wing, settings.body, hooks.cancelled);
   const std::string inputs = vehicle.sha256 + common::sha256OfFile(vehicle.arm.table_file) + common::sha256OfFile(body);
   TrialRuns runs(runner, hooks, inputs);
@@ -256,6 +282,7 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
   if (found.cancelled) return found;
   add(checkTrials(found, vehicle));
   add(accidents);
+  add(checkCarried(found, vehicle));
   return found;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "snapwing/planning/accident_margins.h"
+#include "snapwing/rom/lumped_model.h"
+#include "snapwing/vehicle/table_origin.h"
 #include "support/example_table.h"
 #include "support/example_wing.h"
 #include "support/paths.h"
@@ -64,6 +66,68 @@ TEST(AccidentMargins, WingsHoldFAgainstAccelerationAndDoLittleToQ) {
   // In Q they hardly move with u: 0.040 m lies before the valley, where they move more than there.
   EXPECT_NEAR(find(with, "ring held inverted in Q").limit, find(without, "ring held inverted in Q").limit,
               9.81 * wing->at(wing->coupled_mass, 0.040));
+}
+
+TEST(AccidentMargins, GustsTakeAModeWhereTheirDragIsTheForceThatTakesIt) {
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::ForceTable table = snapwing::testing::exampleTable();
+  const auto list = accidentMargins(vehicle, table);
+  const vehicle::VehicleParameters p = vehicle::realise(vehicle, table);
+  // From behind on F, motors at idle: the ring's drag pushes as thrust does. The gust is blown out as the vehicle gives
+  // way, so that it may be stronger than a thrust that stays.
+  const double pushes = std::sqrt(find(list, "sudden thrust in F").limit / p.ring_drag);
+  const AccidentMargin& behind = find(list, "gust from behind in F");
+  EXPECT_GT(behind.limit, 0.95 * pushes);
+  EXPECT_LT(behind.limit, 1.6 * pushes);
+  // On a hovering Q the thrust stays, so that it takes more wind than a climb whose thrust is cut.
+  EXPECT_GT(find(list, "gust against the thrust in Q").limit, 10.0);
+  for (const char* name : {"gust from behind in F", "gust against the thrust in Q"}) {
+    EXPECT_TRUE(std::isnan(find(list, name).occurs)) << name;
+  }
+}
+
+TEST(FaultMargins, AreWhereThePulseJustSwitches) {
+  const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
+  AskedSwitch asked;
+  asked.start = vehicle::Mode::FIXED_WING;
+  asked.pulse.throttle = 0.577, asked.pulse.duration = 0.180;
+  asked.trial.mount = vehicle::Mount::BOOM;
+  const auto switches = [&](const char* fault, double share) {
+    vehicle::VehicleParameters p = vehicle::realise(vehicle, table);
+    if (std::string(fault) == "one weak motor") p.max_thrust *= 1 - share / vehicle.rotors.count;
+    if (std::string(fault) == "one stiff arm") p.force_scale *= 1 + share / vehicle.arm.count;
+    return rom::LumpedModel::fromVehicle(vehicle, table, p)
+        .predict(asked.start, asked.pulse, vehicle.radio, asked.trial)
+        .snapped;
+  };
+  const auto list = faultMargins(vehicle, table, {}, {asked});
+  ASSERT_EQ(list.size(), 2U);
+  // One motor may be missing here; a pulse that just switches has limits of both.
+  EXPECT_TRUE(std::isinf(list[0].limit) && switches("one weak motor", 1));
+  AskedSwitch shorter = asked;
+  shorter.pulse.duration = 0.07;
+  asked = shorter;
+  const auto both = faultMargins(vehicle, table, {}, {shorter});
+  for (const AccidentMargin& m : both) {
+    ASSERT_TRUE(std::isfinite(m.limit)) << m.name;
+    EXPECT_TRUE(switches(m.name.c_str(), 0.999 * m.limit)) << m.name;
+    EXPECT_FALSE(switches(m.name.c_str(), 1.001 * m.limit + 1e-6)) << m.name;
+    EXPECT_EQ(m.mode, vehicle::Mode::FIXED_WING);
+    EXPECT_EQ(m.holds, m.occurs < m.limit);
+    EXPECT_NE(m.explanation.find("left out"), std::string::npos);
+  }
+  // Of several switches the one that is lost first counts.
+  AskedSwitch longer = asked;
+  longer.pulse.duration = 0.180;
+  const auto mixed = faultMargins(vehicle, table, {}, {longer, shorter});
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(mixed[i].limit, both[i].limit);
+  // A pulse that does not switch at all has no margin, and does not hold.
+  shorter.pulse.duration = 0.01;
+  for (const AccidentMargin& m : faultMargins(vehicle, table, {}, {shorter})) {
+    EXPECT_LT(m.limit, 1e-6) << m.name;
+    EXPECT_FALSE(m.holds) << m.name;
+  }
 }
 
 }  // namespace

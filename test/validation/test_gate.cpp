@@ -232,6 +232,63 @@ TEST(Gate, AccidentsGateOnlyWhatTheFileNames) {
   }
 }
 
+TEST(Gate, AnAccidentThatStatesNothingThatIsMetCannotGate) {
+  vehicle::Vehicle vehicle = Shipped().vehicle;
+  std::vector<planning::AccidentMargin> accidents(1);
+  accidents[0].name = "gust", accidents[0].limit = 10, accidents[0].occurs = NAN, accidents[0].holds = true;
+  vehicle.must_survive = {};
+  EXPECT_EQ(verdictOf(checkAccidents(accidents, vehicle), "accident: gust"), Verdict::TOLD);
+  vehicle.must_survive = {"gust"};
+  EXPECT_THROW(checkAccidents(accidents, vehicle), common::SettingError);
+}
+
+TEST(Gate, WhatFCarriesOnSoftArmsGatesBesideTheTables) {
+  vehicle::Vehicle vehicle = Shipped().vehicle;
+  vehicle.must_survive = {"ring held upright in F"};
+  const std::string name = "ring held upright in F, planar";
+  Validation found;
+  found.accidents.resize(1);
+  found.accidents[0].name = vehicle.must_survive[0], found.accidents[0].limit = 4.2, found.accidents[0].occurs = 3.9;
+  EXPECT_TRUE(checkCarried(found, vehicle).empty());
+  const auto carried = [&](double coarse, double fine) {
+    found.trials.assign(2, {});
+    for (ValidationTrial& t : found.trials) t.role = TrialRole::CARRIED, t.plan = -1;
+    found.trials[1].finer = true;
+    found.trials[0].outcome.threshold = coarse, found.trials[1].outcome.threshold = fine;
+    return verdictOf(checkCarried(found, vehicle), name);
+  };
+  EXPECT_EQ(carried(4.2, 4.1), Verdict::PASS);
+  EXPECT_EQ(carried(4.1, 4.0), Verdict::UNDECIDED) << "3.9 +- .03 in the limit";
+  EXPECT_EQ(carried(4.0, 3.9), Verdict::FAIL);
+  EXPECT_EQ(carried(NAN, NAN), Verdict::FAIL);
+  vehicle.must_survive = {};
+  EXPECT_EQ(carried(4.0, 3.9), Verdict::TOLD);
+}
+
+TEST(Carried, TheSoftArmCarriesWhatItsOwnCurveSays) {
+  const Shipped shipped;
+  RungTrial trial;
+  trial.rung = TrialRung::PLANAR;
+  trial.cell_size = 2.5e-3;
+  trial.trial.mount = vehicle::Mount::HELD;
+  trial.trial.gravity = 9.81;
+  trial.trial.wings = false;
+  const RungRunner runner(shipped.vehicle, shipped.table, shipped.wing);
+  const RungOutcome soft = runner.carried(trial);
+  EXPECT_EQ(soft.failure, "");
+  trial.rung = TrialRung::LUMPED;
+  const double tables = runner.carried(trial).threshold;
+  for (const planning::AccidentMargin& a : planning::accidentMargins(shipped.vehicle, shipped.table)) {
+    if (a.name == "ring held upright in F") {
+      EXPECT_NEAR(tables, a.limit, 1e-9);
+    }
+  }
+  // The arm of these cells has another peak than the table: 4.04 N with cells that keep its stiffness.
+  const double peak = traceArm(shipped.vehicle, shipped.vehicle.arm.density_file, 2.5e-3).peak_force;
+  const double stated = vehicle::curveFeatures(shipped.table).peak_force;
+  EXPECT_NEAR(soft.threshold - tables, peak - stated, 0.1);
+}
+
 TEST(Curve, AnInternalSnapIsRefusedByName) {
   const Shipped shipped;
   ArmCurve curve;

@@ -6,6 +6,8 @@
 
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/pulse.h"
+#include "snapwing/vehicle/trial.h"
 #include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::planning {
@@ -22,8 +24,24 @@ struct AccidentMargin {
 };
 
 /// Nominal parameters, free flight unless said: sudden thrust from idle in F, hover thrust cut in Q, cut while climbing
-/// in Q (speed), ring held upright in F, inverted and held in Q, ring braked in Q (deceleration, slowly applied).
+/// in Q (speed), ring held upright in F, inverted and held in Q, ring braked in Q (deceleration, slowly applied), wind
+/// that jumps along the axis: against the thrust of a hovering Q, from behind on a gliding F.
 std::vector<AccidentMargin> accidentMargins(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                                             const std::optional<vehicle::WingTable>& wing = {});
+
+/// A switch that is asked for.
+struct AskedSwitch {
+  vehicle::Mode start = vehicle::Mode::UNKNOWN;
+  vehicle::Pulse pulse;
+  vehicle::Trial trial;
+};
+
+/// What may keep the nominal vehicle from switching: "one weak motor" (share of its thrust that is missing) and "one
+/// stiff arm" (share by which it is stiffer than the others); `occurs` is the file's half width, as if one alone had
+/// it. `mode` is the start of the switch that is lost first. Only the thrust axis is seen: neither the moment of the
+/// one motor, nor the tilt of ring and housing. @param switches  not empty
+std::vector<AccidentMargin> faultMargins(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                                         const std::optional<vehicle::WingTable>& wing,
+                                         const std::vector<AskedSwitch>& switches);
 
 }  // namespace snapwing::planning

@@ -36,7 +36,8 @@ struct RungOutcome {
   double margin = std::numeric_limits<double>::quiet_NaN();                                   ///< [1] lumped only
   double imbalance = std::numeric_limits<double>::quiet_NaN();  ///< [J] that the scheme fed or ate; solids only
   double min_det_f = std::numeric_limits<double>::quiet_NaN();  ///< [1] solids only
-  double threshold = std::numeric_limits<double>::quiet_NaN();  ///< [s] of a search for the shortest pulse
+  /// [s] of a search for the shortest pulse; [N] of one for the heaviest centre
+  double threshold = std::numeric_limits<double>::quiet_NaN();
   double cpu_seconds = 0;
   std::vector<double> time, travel, thrust;  ///< [s], [m], [N] at most a few hundred points
 };
@@ -54,12 +55,17 @@ class RungRunner {
   /// The shortest pulse that switches, to .1 ms: `threshold` of the outcome. On solids the search begins at `near`, and
   /// fails if there is none within 60 ms of it.
   RungOutcome shortest(const RungTrial& trial) const;
+  /// The heaviest centre that the start mode carries with the ring held and the motors still, to .01 N of weight:
+  /// `threshold` of the outcome [N]. On solids the search begins at `near` [N], or at the lumped one.
+  RungOutcome carried(const RungTrial& trial) const;
 
  private:
   RungOutcome runLumped(const RungTrial& trial) const;
   motion::AxisVehicle solidOf(const RungTrial& trial) const;
   double shortestLumped(const RungTrial& trial) const;
   double shortestSolid(const RungTrial& trial) const;
+  double carriedLumped(const RungTrial& trial) const;
+  double carriedSolid(const RungTrial& trial) const;
   RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const;
   RungOutcome runSolid(const RungTrial& trial, const motion::AxisVehicle& solid, double step) const;
   motion::AxisSettings settingsOf(const RungTrial& trial) const;

@@ -37,11 +37,12 @@ enum class TrialRole {
   WEAKEST,
   SAMPLE,
   THRESHOLD,  ///< the shortest pulse that switches the nominal vehicle
+  CARRIED,    ///< the heaviest centre that F carries, ring held upright; of no plan
 };
 
 struct ValidationTrial {
   std::string name;  ///< one word
-  int plan = 0;      ///< index of its plan
+  int plan = 0;      ///< index of its plan; -1: of none
   TrialRole role = TrialRole::NOMINAL;
   bool finer = false;  ///< planar cells of half the size; what it is the twin of has the same name without "_fine"
   RungTrial trial;
@@ -75,8 +76,11 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
 
 /// The gate's answers for trials that have run; pure.
 std::vector<Check> checkTrials(const Validation& found, const vehicle::Vehicle& vehicle);
-/// Accidents: those of the file's must_survive gate, the others are told. @throws common::SettingError
+/// Accidents: those of the file's must_survive gate, the others are told. @throws common::SettingError for one that is
+/// not known, or that states nothing that a vehicle meets, so that it would hold whatever its limit
 std::vector<Check> checkAccidents(const std::vector<planning::AccidentMargin>& accidents,
                                   const vehicle::Vehicle& vehicle);
+/// What F carries on soft arms with the ring held upright, beside the accident of this name; it gates as that one does.
+std::vector<Check> checkCarried(const Validation& found, const vehicle::Vehicle& vehicle);
 
 }  // namespace snapwing::validation
