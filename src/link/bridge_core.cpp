@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "snapwing/link/controller_checks.h"
 
@@ -282,7 +283,7 @@ const Channels& BridgeCore::tick(double now) {
 void BridgeCore::notePeriod(double now) {
   if (!std::isfinite(last_tick_)) return;
   const double period = now - last_tick_;
-  const bool hurried = urgent_ && now < next_frame_ - TIME_SLACK;  // off the grid on purpose
+  const bool hurried = (urgent_ || now >= silentFrom()) && now < next_frame_ - TIME_SLACK;  // off the grid on purpose
   if (!hurried) count(status_.period_histogram, std::abs(period - wanted_period_));
   if (now - worst_since_ > 0.5) {
     worst_before_ = worst_now_;
@@ -408,6 +409,11 @@ void BridgeCore::schedule(double now) {
 
 double BridgeCore::earliestFrameTime() const {
   return std::isfinite(last_tick_) ? std::min(next_frame_, last_tick_ + MIN_GAP) : next_frame_;
+}
+
+double BridgeCore::silentFrom() const {
+  const double never = std::numeric_limits<double>::infinity();
+  return active() ? last_heartbeat_ + settings_.heartbeat_timeout + TIME_SLACK : never;
 }
 
 void BridgeCore::noteGrants(bool realtime, bool memory_locked) {

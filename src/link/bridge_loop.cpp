@@ -119,7 +119,12 @@ bool BridgeLoop::windowOpen(double now) {
   return transport_.connected();
 }
 
+/// An operator's silence is noticed by a frame, which is then low and waits for nothing.
 double BridgeLoop::nextFrameTime(double now) const {
+  return std::min(dueFrameTime(now), std::max(core_.silentFrom(), core_.earliestFrameTime()));
+}
+
+double BridgeLoop::dueFrameTime(double now) const {
   if (readback_ && core_.inPulse() && !core_.urgent()) {
     if (core_.changesWithin(QUIET_BEFORE_CHANGE, now)) return core_.nextChange(now);
     if (proof_ > last_frame_) return core_.earliestFrameTime();

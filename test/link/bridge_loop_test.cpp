@@ -292,6 +292,24 @@ TEST(BridgeLoop, OperatorDies) {
   }
 }
 
+/// At whatever moment of a frame's period he falls silent, in the pulse (frames wait for a proof) and at rest.
+TEST(BridgeLoop, SilenceIsNoticedWhenItsTimeIsOver) {
+  constexpr double SHORTEST_GAP = 0.007, CLOCK = 0.001;
+  for (const bool in_pulse : {true, false}) {
+    for (int moment = 0; moment < 40; moment += 3) {
+      SCOPED_TRACE("ms after 100: " + std::to_string(moment));
+      Simulation s;
+      s.arm();
+      if (in_pulse) s.command(1.0, 0.9);
+      s.run(0.1 + 1e-3 * moment);
+      s.operator_runs = false;
+      const double last = s.now;
+      ASSERT_TRUE(s.runUntil(1.0, [&] { return s.bridge->core().status().fault == Fault::HEARTBEAT_LOST; }));
+      EXPECT_LE(s.now - last, 0.2 + SHORTEST_GAP + 2 * CLOCK);
+    }
+  }
+}
+
 TEST(BridgeLoop, UnpluggedLineNeverResumes) {
   for (const double gap : {0.1, 0.3, 0.7, 1.2}) {
     SCOPED_TRACE(gap);

@@ -56,6 +56,8 @@ class BridgeCore {
   /// free. The grid starts anew from it.
   bool urgent() const { return urgent_; }
   double earliestFrameTime() const;
+  /// [s] from when on a silent operator ends what he began; infinite while nothing is armed.
+  double silentFrom() const;
   /// A change of the pulse's throttle is due within so many seconds: nothing may go out now that the controller would
   /// serve first.
   bool changesWithin(double seconds, double now) const;

@@ -74,6 +74,7 @@ class BridgeLoop {
   void updateConnection(double now);
   bool windowOpen(double now);
   void ask(double now, bool always = false);
+  double dueFrameTime(double now) const;
   bool proofDue(double now) const;
 
   Protocol protocol_;

@@ -62,10 +62,14 @@ class Fault:
             return self.bench.pulse(1.0, self.pulse)
         rise = self.bench.pulse(1.0, LEAD, hold=(HOLD, self.pulse))
         try:
-            wait_for(lambda: IDLE < self.bench.motors.last()["motor"] < BELOW_PULSE, LEAD + 0.2, "motors at the hold's level")
+            wait_for(lambda: self.holds(rise + LEAD), LEAD + 0.2, "motors at the hold's level")
         except AssertionError as error:
             raise NotBegun(str(error)) from error
         return rise + LEAD
+
+    def holds(self, begin):
+        """The motors have come down to the hold's level; before `begin` they pass it on their way up."""
+        return time.monotonic() > begin and IDLE < self.bench.motors.last()["motor"] < BELOW_PULSE
 
     def trial(self):
         """@return (moment from which the promise counts, seconds to idle from then, largest output after that [us])"""
