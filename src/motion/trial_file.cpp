@@ -1,7 +1,6 @@
 #include "snapwing/motion/trial_file.h"
 
 #include <algorithm>
-#include <random>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
@@ -22,8 +21,7 @@ void readBox(SettingsReader& reader, TrialFile& out) {
   const std::vector<std::string>& names = vehicle::uncertainNames();
   out.box.assign(names.size(), 0.0);
   if (box.has("seed")) {
-    std::mt19937_64 random(static_cast<std::uint64_t>(box.integer("seed", 0, 1000000000)));
-    for (double& value : out.box) value = 2.0 * static_cast<double>(random() >> 11) / 9007199254740992.0 - 1.0;
+    out.box = drawnBox(box.integer("seed", 0, 1000000000));
   }
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (box.has(names[k])) out.box[k] = box.number(names[k], {-1, 1}, "half widths");
@@ -124,6 +122,26 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
   solid.finish();
 }
 
+/// `repeats` of the trial, and what differs between them.
+void readRepeats(SettingsReader& reader, TrialFile& out) {
+  out.repeats = reader.integerOr("repeats", 1, 1, 1000);
+  if (reader.has("vary") != (out.repeats > 1)) {
+    reader.fail("vary", reader.has("vary") ? "given with one repeat" : "missing",
+                "with repeats of 2 or more, and only then");
+  }
+  if (out.repeats == 1) return;
+  SettingsReader vary = reader.map("vary");
+  out.vary.seed = vary.integer("seed", 0, 1000000000);
+  out.vary.strength = vary.numberOr("strength", 0, {0, 1}, "1");
+  out.vary.duration = vary.numberOr("duration", 0, {0, 10}, "s");
+  if (vary.has("vehicle")) out.vary.vehicle = vary.choice("vehicle", {"on", "off"}) == "on";
+  if (out.vary.strength == 0 && out.vary.duration == 0 && !out.vary.vehicle) {
+    vary.fail("strength", "0, as duration, and vehicle off", "one of them that differs");
+  }
+  if (out.vary.vehicle && !out.box.empty()) vary.fail("vehicle", "on beside `uncertain`", "one of the two");
+  vary.finish();
+}
+
 /// Friction of each wing's pins, times what the vehicle says.
 void readFriction(SettingsReader& reader, TrialFile& out) {
   if (!reader.has("wing_friction")) return;
@@ -155,6 +173,7 @@ TrialFile loadTrial(const std::string& path) {
   readFriction(reader, out);
   readSteps(reader, out);
   readBox(reader, out);
+  readRepeats(reader, out);
   reader.finish();
   return out;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "commands.h"
@@ -40,9 +41,11 @@ struct Options {
 
 /// A trial with what it names, and the files that it writes.
 struct Work {
-  explicit Work(const Options& given)
+  /// @param asked  the trial that its file states, or one of its repeats; @param into  where its files go
+  Work(const Options& given, motion::TrialFile asked, std::string into)
       : options(given),
-        file(motion::loadTrial(options.file)),
+        folder(std::move(into)),
+        file(std::move(asked)),
         vehicle(vehicle::loadVehicle(file.vehicle_file)),
         table(vehicle::armTableOf(vehicle)) {
     file.trial.mount = vehicle::mountFor(vehicle, file.mount, "mount");
@@ -53,7 +56,7 @@ struct Work {
     common::OutputFiles files;
     files.reads({file.file, vehicle.file, vehicle.arm.density_file, vehicle.arm.table_file}, "a file of the trial");
     if (vehicle.hasWing()) files.reads({vehicle.wing.layout_file, vehicle.wing.table_file}, "a file of the wing");
-    files.fills(options.folder, "--output");
+    files.fills(folder, "--output");
     for (const char* name : {"series.csv", "series.h5", "summary.json", "checkpoint.bin"}) {
       files.writes(path(name), "--output");
     }
@@ -63,9 +66,9 @@ struct Work {
     if (level.throttle < 0) return level.thrust;
     return vehicle::thrustFraction(parameters.quadratic_share, vehicle.radio, level.throttle);
   }
-  std::string path(const std::string& name) const { return options.folder + "/" + name; }
+  std::string path(const std::string& name) const { return folder + "/" + name; }
   std::string hash() const {
-    return common::sha256(common::version() + ";" + file.sha256 + ";" + vehicle.sha256 + ";" +
+    return common::sha256(common::version() + ";" + file.name + ";" + file.sha256 + ";" + vehicle.sha256 + ";" +
                           common::sha256OfFile(vehicle.arm.density_file) + ";" +
                           common::sha256OfFile(vehicle.arm.table_file) + wings());
   }
@@ -75,6 +78,7 @@ struct Work {
   }
 
   const Options& options;
+  std::string folder;
   motion::TrialFile file;
   vehicle::Vehicle vehicle;
   vehicle::ForceTable table;
@@ -281,7 +285,7 @@ int runSolid(const Work& work) {
   progress.startsAt(run.state.time);
   const InterruptGuard guard;
   motion::AxisRunHooks hooks;
-  const TrialFrames frames(vehicle, work.options.folder, work.options.vtu_every);
+  const TrialFrames frames(vehicle, work.folder, work.options.vtu_every);
   frames.take(run);
   hooks.stepped = [&](const motion::AxisRun& now) {
     frames.take(now);
@@ -311,6 +315,74 @@ int runSolid(const Work& work) {
   return run.outcome.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }
 
+/// Runs one trial and what follows it. @return its exit code
+int runOne(const Work& work, const std::string& bag_program) {
+  common::makeFolder(work.folder);
+  const int code = work.file.rung == motion::TrialRung::LUMPED ? runLumped(work) : runSolid(work);
+  if (!bag_program.empty() && !InterruptGuard::interrupted()) callBagProgram(bag_program, work.folder);
+  return code;
+}
+
+/// What the tables say of the same trial: least clearance of the barrier, in units of it; NaN where they cannot.
+double lumpedMargin(const Work& work) {
+  if (!work.file.then.empty()) return std::nan("");
+  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(work.vehicle, work.table, work.parameters, {},
+                                                               vehicle::wingTableOf(work.vehicle, work.table));
+  return model.predict(work.file.start, work.fraction, work.file.pulse.duration, work.file.trial).energy_margin;
+}
+
+/// Verdict over all repeats: how many switch, and what is left of each margin.
+void printVerdict(const motion::TrialFile& file, const ordered_json& repeats) {
+  int switched = 0;
+  double least = INFINITY, first = INFINITY, last = -INFINITY, room = INFINITY;
+  for (const ordered_json& r : repeats) {
+    switched += r["snapped"].get<bool>() ? 1 : 0;
+    if (r["lumped_margin"].is_number()) least = std::min(least, r["lumped_margin"].get<double>());
+    room = std::min(room, r["room_to_travel_max"].get<double>());
+    if (!r["snap_time"].is_number()) continue;
+    first = std::min(first, r["snap_time"].get<double>());
+    last = std::max(last, r["snap_time"].get<double>());
+  }
+  std::printf("%s: %d of %d switch", file.name.c_str(), switched, static_cast<int>(repeats.size()));
+  if (std::isfinite(first)) std::printf(", last crossing of the barrier at %.1f .. %.1f ms", 1e3 * first, 1e3 * last);
+  std::printf("; at least %.1f mm to limits.travel_max", 1e3 * room);
+  if (std::isfinite(least)) std::printf("; least margin by the tables %+.2f", least);
+  std::printf("\n");
+}
+
+/// Each repeat in a folder of its own, and all of them in summary.json. A repeat that has ended is not run again.
+int runRepeats(const Options& options, const motion::TrialFile& file, const std::string& bag_program) {
+  ordered_json repeats = ordered_json::array();
+  int code = 0;
+  for (int k = 0; k < file.repeats && !InterruptGuard::interrupted(); ++k) {
+    const motion::TrialFile one = motion::repeatOf(file, k);
+    const Work work(options, one, options.folder + "/" + one.name);
+    ordered_json row = {{"trial", one.name}, {"key", work.hash()}, {"exit_code", 0}};
+    std::ifstream kept(work.path("done.json"));
+    const ordered_json before = kept ? ordered_json::parse(kept, nullptr, false) : ordered_json();
+    if (before.is_object() && before.value("key", "") == row["key"]) {
+      row = before;
+    } else {
+      row["exit_code"] = runOne(work, bag_program);
+      std::ifstream text(work.path("summary.json"));
+      const ordered_json summary = ordered_json::parse(text);
+      if (!summary.value("ended", true)) return 1;
+      row["pulse"] = summary["pulse"];
+      for (const char* name : {"end_mode", "snapped", "snap_time", "peak_travel"}) row[name] = summary["outcome"][name];
+      row["room_to_travel_max"] = work.vehicle.limits.travel_max - row["peak_travel"].get<double>();
+      row["lumped_margin"] = lumpedMargin(work);
+      common::writeFileAtomically(work.path("done.json"), common::jsonText(row));
+    }
+    code = std::max(code, row["exit_code"].get<int>());
+    repeats.push_back(row);
+  }
+  if (static_cast<int>(repeats.size()) < file.repeats) return 1;
+  common::writeFileAtomically(options.folder + "/summary.json",
+                              common::jsonText(ordered_json{{"trial", file.name}, {"repeats", repeats}}));
+  printVerdict(file, ordered_json::parse(common::jsonText(repeats)));
+  return code;
+}
+
 }  // namespace
 
 void addTrialCommand(CLI::App& app, int& exit_code) {
@@ -333,11 +405,11 @@ void addTrialCommand(CLI::App& app, int& exit_code) {
       "Exit code: 0 settled in F or Q, 1 not settled or stopped, 2 bad input. The same command goes on "
       "with a run that was stopped.");
   command->callback([options, &exit_code] {
-    const Work work(*options);
+    const motion::TrialFile file = motion::loadTrial(options->file);
     const std::string bag_program = options->bag ? bagProgram() : "";
-    common::makeFolder(options->folder);
-    exit_code = work.file.rung == motion::TrialRung::LUMPED ? runLumped(work) : runSolid(work);
-    if (options->bag && !InterruptGuard::interrupted()) callBagProgram(bag_program, options->folder);
+    const InterruptGuard guard;
+    exit_code = file.repeats > 1 ? runRepeats(*options, file, bag_program)
+                                 : runOne(Work(*options, file, options->folder), bag_program);
   });
 }
 

@@ -88,6 +88,34 @@ class Trial(Case):
         self.assertIn(b"nowhere", none.stderr)
         self.assertNotIn(b"Traceback", none.stderr)
 
+    def test_repeats_differ_by_seed_and_go_on(self):
+        varied = ("duration: 0.06}}".replace("}}", "}"), "duration: 0.06}\nrepeats: 3\nvary: {seed: 4, strength: 0.05, duration: 0.01, vehicle: on}")
+        lumped = (("rung: planar", "rung: lumped"), ("solid: {cell_size: 0.0025}\n", ""))
+        path = self.file("t.yaml", self.text(varied, *lumped))
+        said = self.snapwing("trial", path, "-o", "three", "-q").stdout.decode()
+        self.assertIn("short: 3 of 3 switch, ", said)
+        self.assertIn("margin by the tables", said)
+        found = json.loads((self.folder / "three" / "summary.json").read_text())["repeats"]
+        pulses = [(r["pulse"]["thrust_fraction"], r["pulse"]["duration"]) for r in found]
+        self.assertEqual(len(set(pulses)), 3)
+        for thrust, duration in pulses:
+            self.assertTrue(0.475 <= thrust <= 0.525 and 0.05 <= duration <= 0.07, pulses)
+        self.assertEqual(len({r["snap_time"] for r in found}), 3)
+        stamp = (self.folder / "three" / "short_2" / "series.csv").stat().st_mtime_ns
+        (self.folder / "three" / "short_3" / "done.json").unlink()
+        self.snapwing("trial", path, "-o", "three", "-q")
+        self.assertEqual((self.folder / "three" / "short_2" / "series.csv").stat().st_mtime_ns, stamp, "not run again")
+        again = json.loads((self.folder / "three" / "summary.json").read_text())["repeats"]
+        self.assertEqual(again, found)
+        more = self.file("t.yaml", self.text((varied[0], varied[1].replace("repeats: 3", "repeats: 2")), *lumped))
+        self.snapwing("trial", more, "-o", "two", "-q")
+        two = json.loads((self.folder / "two" / "summary.json").read_text())["repeats"]
+        self.assertEqual([r["pulse"] for r in two], [r["pulse"] for r in found[:2]])
+        other = self.file("o.yaml", self.text((varied[0], varied[1].replace("seed: 4", "seed: 5")), *lumped))
+        self.snapwing("trial", other, "-o", "other", "-q")
+        seeded = json.loads((self.folder / "other" / "summary.json").read_text())["repeats"]
+        self.assertNotEqual(seeded[0]["pulse"], found[0]["pulse"])
+
     def test_a_bag_holds_the_series(self):
         if not pathlib.Path(os.environ["SNAPWING"]).with_name("trial_bag").exists():
             self.skipTest("a build without ROS")
@@ -123,6 +151,9 @@ class Trial(Case):
         for change, words in ((("duration: 0.06", "duration: -1"), ("pulse.duration", "-1", "0")),
                               (("duration: 0.06}", "duration: 0.06}\nthen:\n- {thrust: 2, duration: 0.1}"), ("then", "thrust", "2", "1")),
                               (("duration: 0.06}", "duration: 0.06}\nthen:\n- {thrust: 0.2}"), ("then", "duration")),
+                              (("duration: 0.06}", "duration: 0.06}\nrepeats: 3"), ("vary", "missing", "repeats")),
+                              (("duration: 0.06}", "duration: 0.06}\nrepeats: 3\nvary: {seed: 1}"), ("vary.strength", "0")),
+                              (("duration: 0.06}", "duration: 0.06}\nvary: {seed: 1, strength: 0.1}"), ("vary", "one repeat")),
                               (("start: F", "start: R"), ("start", "R", "F")),
                               (("mount: boom", "mount: rope"), ("mount", "rope", "boom")),
                               (("rung: planar", "rung: exact"), ("rung", "exact", "planar")),

@@ -25,6 +25,14 @@ struct TrialLevel {
   double duration = 0;  ///< [s]
 };
 
+/// What differs between the repeats of a trial; each is drawn evenly.
+struct TrialVariation {
+  int seed = 0;
+  double strength = 0;   ///< [1] half width of each level's throttle or thrust, as a share of it
+  double duration = 0;   ///< [s] half width of each level's duration
+  bool vehicle = false;  ///< draw a vehicle from the uncertainty box, too
+};
+
 struct TrialFile {
   std::string name, file, sha256, vehicle_file;
   TrialRung rung = TrialRung::PLANAR;
@@ -39,7 +47,14 @@ struct TrialFile {
   double bias = 0;  ///< of the midpoint
   StepperSettings steps;
   AxisSettings axis;
+  int repeats = 1;
+  TrialVariation vary;
 };
+
+/// One of a trial's repeats, by seed and index alone. @param index  0 .. repeats - 1
+TrialFile repeatOf(const TrialFile& file, int index);
+/// A vehicle of the box, coordinates in [-1, 1] of vehicle::uncertainNames().
+std::vector<double> drawnBox(int seed);
 
 /// @throws common::FileError, common::SettingError naming key, value and range
 TrialFile loadTrial(const std::string& path);
