@@ -14,6 +14,7 @@
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/validation/plan_file.h"
 #include "snapwing/validation/prediction_json.h"
+#include "snapwing/vehicle/force_curve_file.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
@@ -84,7 +85,7 @@ int plan(const PlanOptions& options) {
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
   checkFiles(vehicle, table_file, {{options.json_file, "--json"}, {options.map_file, "--map"}});
-  const vehicle::ForceTable table = vehicle::armTableOf(vehicle, options.table_file);
+  const vehicle::ForceTable table = vehicle::armCurveOf(vehicle, options.table_file);
   const vehicle::Mode start = vehicle::modeFromName(options.start);
   if (start != vehicle::Mode::FIXED_WING && options.settings.hold_duration > 0) {
     throw common::Error("--hold-duration is given with --from " + options.start +

@@ -14,6 +14,7 @@
 #include "snapwing/common/provenance.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/validation/prediction_json.h"
+#include "snapwing/vehicle/force_curve_file.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_options.h"
 
@@ -51,7 +52,7 @@ int predict(const PredictOptions& options) {
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(options.vehicle_file);
   const std::string table_file = chooseTable(vehicle, options.table_file);
   checkFiles(vehicle, table_file, {{options.csv_file, "--csv"}, {options.json_file, "--json"}});
-  const vehicle::ForceTable table = vehicle::armTableOf(vehicle, options.table_file);
+  const vehicle::ForceTable table = vehicle::armCurveOf(vehicle, options.table_file);
   const vehicle::Mode start = vehicle::modeFromName(options.start);
   const vehicle::Trial trial = options.trial.trial(vehicle);
   rom::LumpedSettings settings;

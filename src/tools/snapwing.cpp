@@ -1,80 +1,40 @@
 // The `snapwing` command line: everything that a node does online can be done here, offline, on the same core.
-#include <poll.h>
+//
+// This program predicts and tells its version. All else it hands to `snapwing_all` beside it: that one is linked with
+// solvers, and loading them takes longer than a prediction.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <csignal>
-#include <cstdio>
-#include <exception>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <new>
+#include <string>
+#include <system_error>
 
+#include "command_line.h"
 #include "commands.h"
-#include "snapwing/common/error.h"
-#include "snapwing/common/provenance.h"
 
 namespace {
 
-constexpr int BAD_INPUT = 2;
-constexpr int INTERNAL_ERROR = 3;
-
-int run(int argc, char** argv) {
-  CLI::App app{"snapwing: design, predict and plan mode switches of shape-changing drones"};
-  app.set_version_flag("--version", snapwing::common::version());
-  app.require_subcommand(1);
-  app.footer(
-      "Exit code: 0 good, 1 an honest negative outcome (refused, not converged), 2 bad input, 3 internal error.");
-  int exit_code = 0;
-  snapwing::tools::addCurveCommand(app, exit_code);
-  snapwing::tools::addDesignArmCommand(app, exit_code);
-  snapwing::tools::addDesignWingCommand(app, exit_code);
-  snapwing::tools::addPredictCommand(app, exit_code);
-  snapwing::tools::addPlanCommand(app, exit_code);
-  snapwing::tools::addTrialCommand(app, exit_code);
-  snapwing::tools::addValidateCommand(app, exit_code);
-  snapwing::tools::addVehicleCommand(app, exit_code);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : BAD_INPUT;
-  }
-  return exit_code;
+bool isOwn(int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  return first == "predict" || (first == "--version" && argc == 2);
 }
 
-/// What is printed must have arrived, except where the reader has gone, as `| head` does: files are written before.
-bool printed() {
-  const bool good = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  pollfd out{STDOUT_FILENO, POLLOUT, 0};
-  return good || (::poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0);
-}
-
-int guarded(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const snapwing::common::Error& e) {
-    std::cerr << "snapwing: " << e.what() << "\n";
-    return BAD_INPUT;
-  } catch (const std::filesystem::filesystem_error& e) {
-    std::cerr << "snapwing: " << e.path1().string() << ": " << e.code().message() << "\n";
-    return BAD_INPUT;
-  } catch (const std::bad_alloc&) {
-    std::cerr << "snapwing: not enough memory for this\n";
-    return BAD_INPUT;
-  } catch (const std::exception& e) {
-    std::cerr << "snapwing: internal error: " << e.what() << "\n";
-    return INTERNAL_ERROR;
-  }
+/// Does not come back, unless that fails.
+int handOver(char** argv) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program = (self.parent_path() / "snapwing_all").string();
+  if (!error) execv(program.c_str(), argv);
+  std::cerr << "snapwing: cannot run " << program << ", which holds all commands but predict: "
+            << (error ? error.message() : std::string(std::strerror(errno))) << "\n";
+  return snapwing::tools::INTERNAL_ERROR;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A reader that goes away, or a limit on a file's size, is an error of that write and not the end of the program.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-  const int code = guarded(argc, argv);
-  if (printed()) return code;
-  std::cerr << "snapwing: the standard output cannot be written\n";
-  return code == 0 ? BAD_INPUT : code;
+  if (!isOwn(argc, argv)) return handOver(argv);
+  return snapwing::tools::runCommandLine(argc, argv, snapwing::tools::addPredictCommand);
 }

@@ -6,6 +6,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/hdf5_file.h"
+#include "snapwing/vehicle/force_curve_file.h"
 #include "snapwing/vehicle/force_table.h"
 
 namespace snapwing::vehicle {
@@ -134,14 +135,7 @@ void writeTable(const ForceTable& t, hid_t file, const std::string& path) {
   common::hdf5::writeProvenance(file, t.provenance, path);
 }
 
-}  // namespace
-
-void saveForceTable(const ForceTable& table, const std::string& path) {
-  table.validate();
-  common::hdf5::writeFile(path, [&](hid_t file) { writeTable(table, file, path); });
-}
-
-ForceTable loadForceTable(const std::string& path) {
+ForceTable load(const std::string& path, bool with_shapes) {
   QuietErrors quiet;
   Handle file(common::hdf5::openFile(path), H5Fclose, path, "open the file as HDF5");
   const auto format = readArray<int>(file, "format_version", "1", path);
@@ -170,7 +164,7 @@ ForceTable loadForceTable(const std::string& path) {
   if (mass.size() != 1) throw common::FileError(path, "mass is no single number");
   t.mass = mass[0];
   t.force_back = readArray<double>(file, "force_back", "N", path);
-  t.shapes = readShapes(file, t.travel.size(), path);
+  if (with_shapes) t.shapes = readShapes(file, t.travel.size(), path);
   t.provenance = common::hdf5::readProvenance(file, path);
   try {
     t.validate();
@@ -179,5 +173,16 @@ ForceTable loadForceTable(const std::string& path) {
   }
   return t;
 }
+
+}  // namespace
+
+void saveForceTable(const ForceTable& table, const std::string& path) {
+  table.validate();
+  common::hdf5::writeFile(path, [&](hid_t file) { writeTable(table, file, path); });
+}
+
+ForceTable loadForceTable(const std::string& path) { return load(path, true); }
+
+ForceTable loadForceCurve(const std::string& path) { return load(path, false); }
 
 }  // namespace snapwing::vehicle

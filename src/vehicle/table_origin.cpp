@@ -7,6 +7,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/vehicle/force_curve_file.h"
 #include "snapwing/vehicle/table_consistency.h"
 
 namespace snapwing::vehicle {
@@ -145,16 +146,28 @@ void requireOrigin(const WingTable& wing, const ForceTable& arm, const Vehicle& 
   }
 }
 
-ForceTable armTableOf(const Vehicle& vehicle, const std::string& asked) {
+namespace {
+
+ForceTable checkedTable(const Vehicle& vehicle, const std::string& asked, ForceTable (*load)(const std::string&)) {
   const std::string& path = asked.empty() ? vehicle.arm.table_file : asked;
   if (asked.empty()) {
     requireFileOf(vehicle, "arm.table_file", path, "`snapwing curve " + vehicle.file + " -o " + path + "` computes it");
   }
-  ForceTable table = loadForceTable(path);
+  ForceTable table = load(path);
   requireOrigin(table, vehicle, path);
   requireConsistent(table, path);
   requireTravelOf(table, vehicle, path);
   return table;
+}
+
+}  // namespace
+
+ForceTable armTableOf(const Vehicle& vehicle, const std::string& asked) {
+  return checkedTable(vehicle, asked, loadForceTable);
+}
+
+ForceTable armCurveOf(const Vehicle& vehicle, const std::string& asked) {
+  return checkedTable(vehicle, asked, loadForceCurve);
 }
 
 std::optional<WingTable> wingTableOf(const Vehicle& vehicle, const ForceTable& arm) {

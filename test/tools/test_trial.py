@@ -139,7 +139,8 @@ class Trial(Case):
     def test_a_build_without_ros_says_so_before_the_work(self):
         alone = self.folder / "bin" / "snapwing"
         alone.parent.mkdir()
-        shutil.copy(os.environ["SNAPWING"], alone)
+        for program in (os.environ["SNAPWING"], os.environ["SNAPWING"] + "_all"):
+            shutil.copy(program, alone.parent)
         done = subprocess.run([alone, "trial", self.file("t.yaml", self.text()), "-o", "out", "--bag"], cwd=self.folder,
                               stderr=subprocess.PIPE, check=False)
         self.assertEqual(done.returncode, 2)

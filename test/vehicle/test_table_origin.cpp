@@ -8,6 +8,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/vehicle/force_curve_file.h"
 #include "snapwing/vehicle/table_consistency.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "support/paths.h"
@@ -65,6 +66,23 @@ TEST(TableOrigin, WhatTheCurveDoesNotDependOnMayChange) {
   vehicle.arm.force_scale.value = 0.9;
   vehicle.limits.travel_max = 0.070;
   EXPECT_NO_THROW(armTableOf(vehicle));
+}
+
+TEST(TableOrigin, ACurveIsTheTableWithoutTheOutlines) {
+  const Vehicle vehicle = shipped();
+  const ForceTable table = armTableOf(vehicle), curve = armCurveOf(vehicle);
+  EXPECT_FALSE(table.shapes.moved.empty());
+  EXPECT_TRUE(curve.shapes.rest.empty());
+  EXPECT_TRUE(curve.shapes.moved.empty());
+  EXPECT_EQ(curve.travel, table.travel);
+  EXPECT_EQ(curve.force, table.force);
+  EXPECT_EQ(curve.force_back, table.force_back);
+  EXPECT_EQ(curve.kinetic_mass, table.kinetic_mass);
+  EXPECT_EQ(curve.provenance, table.provenance);
+  Vehicle other = vehicle;
+  other.material.poisson_ratio.value = 0.4;
+  EXPECT_EQ(messageOf([&] { armCurveOf(other); }), messageOf([&] { armTableOf(other); }));
+  EXPECT_NE(messageOf([&] { armCurveOf(other); }), "");
 }
 
 TEST(TableOrigin, TableWithoutOriginIsRefusedUnlessMeasured) {
