@@ -1,7 +1,6 @@
 #include "snapwing/solver/sparse.h"
 
 #include <cholmod.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +11,7 @@
 #include <mutex>
 
 #include "snapwing/common/error.h"
+#include "snapwing/solver/serial_regions.h"
 
 // OpenBLAS's own entry point; its header clashes with others, so that only this one function is declared.
 extern "C" void openblas_set_num_threads(int count);
@@ -34,19 +34,6 @@ Eigen::VectorXd SparsePattern::multiply(const std::vector<double>& values, const
 }
 
 namespace {
-
-/// CHOLMOD opens a parallel region for every supernode, whatever OMP_NUM_THREADS says; on small supernodes the threads
-/// cost more than the work (three quarters of a planar factorization). While this lives, regions run on one thread.
-class OneThread {
- public:
-  OneThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-  ~OneThread() { omp_set_max_active_levels(levels_); }
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
-
- private:
-  int levels_;
-};
 
 /// Fewer and larger supernodes than CHOLMOD's own choice: on fronts as small as a planar arm's each one costs more in
 /// calls and in (serial) parallel regions than a few zeros cost in arithmetic. Large factors do not change.
@@ -174,7 +161,7 @@ Cholesky::~Cholesky() {
 bool Cholesky::factorize(const std::vector<double>& values) {
   if (impl_->pattern.size == 0) return true;
   const double begin = secondsNow();
-  const OneThread one_thread;
+  const SerialRegions one_thread;
   ++factorizations_;
   impl_->setValues(values);
   cholmod_factorize(&impl_->matrix, impl_->factor, &impl_->common);
@@ -187,7 +174,7 @@ bool Cholesky::factorize(const std::vector<double>& values) {
 int Cholesky::factorizeIndefinite(const std::vector<double>& values) {
   if (impl_->pattern.size == 0) return 0;
   const double begin = secondsNow();
-  const OneThread one_thread;
+  const SerialRegions one_thread;
   ++factorizations_;
   impl_->setValues(values);
   Impl& s = *impl_;
@@ -234,7 +221,7 @@ Eigen::MatrixXd Cholesky::solvePermuted(const Eigen::MatrixXd& right) const {
   if (impl_->pattern.size == 0) return right;
   if (impl_->active == nullptr) throw common::Error("solve without a factor");
   const double begin = secondsNow();
-  const OneThread one_thread;
+  const SerialRegions one_thread;
   cholmod_dense b;
   std::memset(&b, 0, sizeof(b));
   b.nrow = b.d = right.rows();

@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <atomic>
 #include <random>
 
 #include "snapwing/common/error.h"
 #include "snapwing/solver/reduction.h"
+#include "snapwing/solver/serial_regions.h"
 #include "snapwing/solver/sparse.h"
+
+/// What `#pragma omp parallel` becomes.
+extern "C" void GOMP_parallel(void (*body)(void*), void* data, unsigned threads, unsigned flags);
 
 namespace snapwing::solver {
 namespace {
@@ -52,6 +57,29 @@ TEST(Cholesky, SolvesAndKnowsDefiniteness) {
     ASSERT_TRUE(cholesky.factorize(values));
     EXPECT_LT((dense * cholesky.solve(b) - b).norm(), 1e-9 * b.norm() * n);
   }
+}
+
+/// CHOLMOD's regions are plain calls, one at least for each factor; elsewhere the thread's regions stay what they are.
+TEST(Cholesky, RegionsOfOneThreadAreCalls) {
+  SparsePattern pattern;
+  std::vector<double> values;
+  Eigen::MatrixXd dense;
+  chain(500, 0, pattern, values, dense);
+  Cholesky cholesky(pattern);
+  const long before = SerialRegions::called();
+  ASSERT_TRUE(cholesky.factorize(values));
+  const long after = SerialRegions::called();
+  EXPECT_GT(after, before);
+  void (*entry)(void (*)(void*), void*, unsigned, unsigned) = GOMP_parallel;
+  std::atomic<int> calls{0};
+  const auto count = [](void* data) { ++*static_cast<std::atomic<int>*>(data); };
+  entry(count, &calls, 2, 0);
+  EXPECT_EQ(calls, 2);
+  EXPECT_EQ(SerialRegions::called(), after);
+  const SerialRegions serial;
+  entry(count, &calls, 2, 0);
+  EXPECT_EQ(calls, 3);
+  EXPECT_EQ(SerialRegions::called(), after + 1);
 }
 
 TEST(Reduction, EliminatesChainedEquations) {
