@@ -42,7 +42,8 @@ class Run:
         return bool(self.outcome["snapped"])
 
     def wing(self, side):
-        return np.degrees(self.series[f"wing_{side}_rad"])
+        """[deg] without the jump by a whole turn of an angle that runs through half a turn."""
+        return np.degrees(np.unwrap(self.series[f"wing_{side}_rad"]))
 
     @property
     def wings_in_place(self):

@@ -77,7 +77,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   settings.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   settings.cell_size = trial.cell_size;
   settings.kernel = trial.kernel;
-  if (settings.dimension == 2) settings.coarsening_power = elasticity::DensityInterpolation().power;
+  settings.coarsening_power = elasticity::DensityInterpolation().power;
   return settings;
 }
 

@@ -4,6 +4,7 @@ import contextlib
 import os
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -77,8 +78,15 @@ class Launch(unittest.TestCase):
             self.assertIn(f"{stage}: kept", said)
         self.assertIn(f"{made}/validation/report.html", said)
         self.assertTrue((made / "validation/report.html").is_file(), said)
-        (made / "validation/report.html").unlink()
+        shutil.rmtree(made / "validation")
+        trials = made / "validation/trials"
+        self.kill_when(self.start(validate), lambda: len(list(trials.glob("*.json"))) >= 3)
+        self.assertFalse((made / "validation/report.html").exists())
+        kept = {path: path.stat().st_mtime_ns for path in trials.glob("*.json")}
         said = self.finish(self.start(validate))
+        for path, stamp in kept.items():
+            self.assertEqual(path.stat().st_mtime_ns, stamp, f"{path.name} was computed again")
+        self.assertGreater(len(list(trials.glob("*.json"))), len(kept))
         self.assertRegex(said, r"(NOT )?(passed|decided), [0-9]+ checks passed; ")
         self.assertTrue((made / "validation/report.html").is_file(), said)
 
