@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "snapwing/common/error.h"
+#include "snapwing/common/enum_names.h"
 #include "snapwing/link/crsf.h"
 #include "snapwing/link/sbus.h"
 
@@ -42,11 +42,8 @@ ControllerRules controllerRules(const BridgeSettings& settings, const std::set<s
 }
 
 Protocol protocolFromName(const std::string& name) {
-  if (name == "msp1") return Protocol::MSP1;
-  if (name == "msp2") return Protocol::MSP2;
-  if (name == "sbus") return Protocol::SBUS;
-  if (name == "crsf") return Protocol::CRSF;
-  throw common::SettingError("radio bridge", "protocol", name, "msp1, msp2, sbus or crsf");
+  static constexpr common::EnumNames<Protocol, 4> NAMES("protocol", {"msp1", "msp2", "sbus", "crsf"});
+  return NAMES.value(name);
 }
 
 LineSettings lineSettings(Protocol protocol) {

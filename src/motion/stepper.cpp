@@ -174,7 +174,7 @@ bool Stepper::attempt(const MotionState& from, double h, const ControlOf& contro
   iterations_ += out.account.iterations;
   factorizations_ += out.account.factorizations;
   if (!good) return false;
-  // The path may miss what the end shows: a solid turned inside out.
+  // The path may miss what the end shows: an inverted element.
   return std::isfinite(out.account.stored);
 }
 
@@ -303,7 +303,7 @@ StepAccount Stepper::step(MotionState& state, double until, const ControlOf& con
     }
     if (!good) {
       tried += (tried.empty() ? "" : "; ") + common::toText(h) + " s: " +
-               (trial.newton.converged() ? "the end of the step turns material inside out"
+               (trial.newton.converged() ? "the end of the step inverts an element (det F <= 0)"
                                          : solver::statusName(trial.newton.status) + ", " + trial.newton.message);
       if (wanted <= settings_.smallest_step || tried.size() > 4000) {
         throw common::Error("the motion failed at " + common::toText(state.time) + " s; steps tried: " + tried);

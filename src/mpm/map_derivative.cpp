@@ -68,7 +68,7 @@ MapDerivative<D> mapDerivative(const Discretisation<D>& solid, const Eigen::Vect
         const Matrix<D> strain = moved * slope.transpose();
         const bool good =
             law.evaluatePrepared(Matrix<D>::Identity() + strain, state, elasticity::Order::TANGENT, response);
-        if (!good) throw common::Error("map derivative: cell " + std::to_string(c) + " is turned inside out");
+        if (!good) throw common::Error("map derivative: cell " + std::to_string(c) + " is inverted (det F <= 0)");
         addParticle<D>(shared, response, strain, cell.measure * rule.weight[p], slope, solid.cellNodes(c),
                        rates[solid.cellBody(c)], &out);
       }

@@ -1,5 +1,5 @@
 #pragma once
-/// Nodes of a cell (private to the floor), for loops of a fixed length.
+/// Nodes of a cell (private to the layer), for loops of a fixed length.
 
 namespace snapwing::mpm {
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Vehicles, one for each point of the uncertainty box, on which pulses are tried. Private to the floor.
+/// Vehicles, one for each point of the uncertainty box, on which pulses are tried. Private to the layer.
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The particles of the mode estimate, what they say together, and drawing them anew. Private to the floor.
+/// The particles of the mode estimate, what they say together, and drawing them anew. Private to the layer.
 
 #include <memory>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// The planner's search: scan, NLopt refinement, check with fresh vehicles. Private to the floor.
+/// The planner's search: scan, NLopt refinement, check with fresh vehicles. Private to the layer.
 
 #include <cmath>
 #include <functional>

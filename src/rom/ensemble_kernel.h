@@ -12,7 +12,7 @@ constexpr double LARGEST_MARGIN = 10.0;
 
 /// A step of all lanes: states at both ends, with loads and thrust there.
 struct Step {
-  Motion from, to;
+  MotionInLanes from, to;
   Load load_from, load_to;
   Real length;
 };
@@ -149,14 +149,15 @@ struct Watch {
 
 /// One step of the classical Runge-Kutta method. @param thrust  at begin, middle and end
 template <bool ARMS, bool WINGS>
-Motion advance(const EnsembleScene& s, const Vehicles& a, const Motion& x, Real dt, const Real (&thrust)[3]) {
-  const auto moved = [&](const Motion& rate, Real by) {
-    return Motion{x.u + by * rate.u, x.w + by * rate.w, x.p + by * rate.p};
+MotionInLanes advance(const EnsembleScene& s, const Vehicles& a, const MotionInLanes& x, Real dt,
+                      const Real (&thrust)[3]) {
+  const auto moved = [&](const MotionInLanes& rate, Real by) {
+    return MotionInLanes{x.u + by * rate.u, x.w + by * rate.w, x.p + by * rate.p};
   };
-  const Motion k1 = rateOf<ARMS, WINGS>(s, a, thrust[0], x);
-  const Motion k2 = rateOf<ARMS, WINGS>(s, a, thrust[1], moved(k1, 0.5 * dt));
-  const Motion k3 = rateOf<ARMS, WINGS>(s, a, thrust[1], moved(k2, 0.5 * dt));
-  const Motion k4 = rateOf<ARMS, WINGS>(s, a, thrust[2], moved(k3, dt));
+  const MotionInLanes k1 = rateOf<ARMS, WINGS>(s, a, thrust[0], x);
+  const MotionInLanes k2 = rateOf<ARMS, WINGS>(s, a, thrust[1], moved(k1, 0.5 * dt));
+  const MotionInLanes k3 = rateOf<ARMS, WINGS>(s, a, thrust[1], moved(k2, 0.5 * dt));
+  const MotionInLanes k4 = rateOf<ARMS, WINGS>(s, a, thrust[2], moved(k3, dt));
   const Real sixth = dt / 6.0;
   return {x.u + sixth * (k1.u + 2.0 * (k2.u + k3.u) + k4.u), x.w + sixth * (k1.w + 2.0 * (k2.w + k3.w) + k4.w),
           x.p + sixth * (k1.p + 2.0 * (k2.p + k3.p) + k4.p)};
@@ -172,7 +173,7 @@ static inline Real decay(Real dt, Real time) {
 }
 
 template <bool ARMS, bool WINGS>
-Real ringSpeed(const EnsembleScene& s, const Vehicles& a, const Motion& x) {
+Real ringSpeed(const EnsembleScene& s, const Vehicles& a, const MotionInLanes& x) {
   const Moved m = movedAt<ARMS, WINGS>(s.curves, a, x.u, locate(s.curves, x.u));
   return (x.p + (a.centre_mass - m.coupled) * x.w) * a.all_inverse;
 }
@@ -185,7 +186,7 @@ void runLanes(const EnsembleScene& s, const EnsembleBlock& block, EnsembleResult
   const Real speed = Real(s.held ? 0.0 : s.initial_speed);
   Load load = loadOf(s, a, thrust, speed, Real(0.0));
   const Mask start = s.start == vehicle::Mode::FIXED_WING ? none() : ~none();
-  Motion x{Real(0.0), Real(0.0), s.held ? Real(0.0) : a.all * s.initial_speed};
+  MotionInLanes x{Real(0.0), Real(0.0), s.held ? Real(0.0) : a.all * s.initial_speed};
   const Mask held = basins.equilibrium(start, load, basins.branchAt(load.specific), ~none(), &x.u);
   x.u = select(held, x.u, select(start, Real(s.equilibria.second), Real(s.equilibria.first)));
   Watch<ARMS, WINGS> watch(s, a, x.u, load);

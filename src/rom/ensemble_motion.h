@@ -120,7 +120,7 @@ static inline Real moment(const double* table, Real u, const Place& p) {
 }
 
 /// Travel, its rate, common momentum.
-struct Motion {
+struct MotionInLanes {
   Real u, w, p;
 };
 struct Load {
@@ -156,7 +156,7 @@ static inline Load loadOf(const EnsembleScene& s, const Vehicles& a, Real thrust
 }
 
 template <bool ARMS, bool WINGS>
-static inline Motion rateOf(const EnsembleScene& s, const Vehicles& a, Real thrust, const Motion& x) {
+static inline MotionInLanes rateOf(const EnsembleScene& s, const Vehicles& a, Real thrust, const MotionInLanes& x) {
   const Place place = locate(s.curves, x.u);
   const Real force = a.force_scale * arms(s.curves, x.u, place).force;
   const Moved m = movedAt<ARMS, WINGS>(s.curves, a, x.u, place);

@@ -1,6 +1,6 @@
 #pragma once
 /// Watches a trajectory step by step: extremes of travel, crossings of the barrier, and the energy margin. Private to
-/// the floor; docs/reduced_model.md defines the margin.
+/// the layer; docs/reduced_model.md defines the margin.
 
 #include "snapwing/rom/loaded_basins.h"
 #include "snapwing/rom/lumped_model.h"

@@ -1,5 +1,5 @@
 #pragma once
-/// Forces against motion and their slopes in the speed. Private to the floor.
+/// Forces against motion and their slopes in the speed. Private to the layer.
 
 #include <cmath>
 

@@ -22,7 +22,7 @@ OptimizeDesignFeedback feedbackOf(const design::ArmDesignSettings& settings, con
   return feedback;
 }
 
-/// Feedback and preemption of a goal as the design floor asks for them.
+/// Feedback and preemption of a goal as the design layer asks for them.
 design::ArmJob jobFor(const design::ArmDesignSettings& settings, const DesignJob& job, const std::string& folder) {
   design::ArmJob arm_job;
   arm_job.folder = folder;

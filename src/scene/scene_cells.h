@@ -1,5 +1,5 @@
 #pragma once
-/// Fills background grids with the bodies of a scene (internal to the statics floor).
+/// Fills background grids with the bodies of a scene (internal to the layer).
 
 #include <cmath>
 #include <map>

@@ -87,8 +87,8 @@ void Constraints<D>::addGroup(const std::string& name, int body, std::vector<int
   for (const int node : group.nodes) {
     length = std::max(length, (solid_.position(node) - group.centre.template head<D>()).norm());
   }
-  group.turning.length = length > 0 ? length : scene_.cell_size;
-  group.turning.axes = std::move(axes);
+  group.rotation.length = length > 0 ? length : scene_.cell_size;
+  group.rotation.axes = std::move(axes);
   groups_.push_back(std::move(group));
 }
 
@@ -101,10 +101,10 @@ template <int D>
 typename Constraints<D>::Weights Constraints<D>::pointWeights(int body, const Vector<D>& point) const {
   if (scene_.bodies[body].hasCells()) return solid_.interpolate(body, point);
   const RigidGroup& group = groupOf(body);
-  const Vector<D> arm = (point - group.centre.template head<D>()) / group.turning.length;
+  const Vector<D> arm = (point - group.centre.template head<D>()) / group.rotation.length;
   Weights result = {{group.translation / D, 1.0}};
   for (int j = 0; j < D; ++j) {
-    if (arm(j) != 0) result.emplace_back(group.turning.first / D + j, arm(j));
+    if (arm(j) != 0) result.emplace_back(group.rotation.first / D + j, arm(j));
   }
   return result;
 }
@@ -123,8 +123,8 @@ void Constraints<D>::findGroups() {
     const GivenMass& given = scene_.bodies[body].given;
     if (given.mass > 0) {
       RigidGroup group{scene_.bodies[body].name, body, {}, given.centre, 0, {}};
-      group.turning.length = std::max(std::sqrt(given.inertia.trace() / given.mass), scene_.cell_size);
-      group.turning.axes = axes;
+      group.rotation.length = std::max(std::sqrt(given.inertia.trace() / given.mass), scene_.cell_size);
+      group.rotation.axes = axes;
       groups_.push_back(std::move(group));
       continue;
     }
@@ -139,7 +139,7 @@ void Constraints<D>::findGroups() {
     next += D;
   }
   for (RigidGroup& group : groups_) {
-    group.turning.first = next;
+    group.rotation.first = next;
     next += D * D;
   }
 }
@@ -149,7 +149,7 @@ template <int D>
 void Constraints<D>::makeCylinder(const ScenePin& pin) {
   for (RigidGroup& group : groups_) {
     if (group.body != pin.body || !scene_.bodies[pin.body].rigid) continue;
-    group.turning.axes = {Eigen::Vector3d::UnitZ()};  // a rigid body needs no section of its own
+    group.rotation.axes = {Eigen::Vector3d::UnitZ()};  // a rigid body needs no section of its own
     return;
   }
   std::vector<int> nodes;
@@ -175,7 +175,7 @@ void Constraints<D>::makeCylinder(const ScenePin& pin) {
 
 template <int D>
 void Constraints<D>::moveRigidly(const RigidGroup& group, std::vector<solver::Equation>& list) const {
-  const solver::Rotation& t = group.turning;
+  const solver::Rotation& t = group.rotation;
   for (const int node : group.nodes) {
     const Vector<D> arm = (solid_.position(node) - group.centre.template head<D>()) / t.length;
     for (int i = 0; i < D; ++i) {
@@ -195,11 +195,11 @@ solver::SplitEquations Constraints<D>::split(const std::vector<solver::Equation>
 }
 
 template <int D>
-std::vector<solver::Rotation> Constraints<D>::turnings(
+std::vector<solver::Rotation> Constraints<D>::rotations(
     const std::vector<std::vector<solver::Equation>>& of_rotation) const {
   std::vector<solver::Rotation> result;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    result.push_back(groups_[g].turning);
+    result.push_back(groups_[g].rotation);
     result.back().axes = solver::openAxes<D>(result.back(), of_rotation[g], result.back().axes, groups_[g].name);
   }
   return result;
@@ -309,7 +309,7 @@ std::vector<typename Constraints<D>::Weights> Constraints<D>::axleLines(int body
     if (!w.empty()) lines.push_back(w);
   } else if (!scene_.bodies[body].hasCells()) {
     const RigidGroup& group = groupOf(body);
-    if (heights.empty()) heights = {group.centre(2) - group.turning.length, group.centre(2) + group.turning.length};
+    if (heights.empty()) heights = {group.centre(2) - group.rotation.length, group.centre(2) + group.rotation.length};
     for (const double height : heights) {
       point(D - 1) = height;
       lines.push_back(pointWeights(body, point));

@@ -1,5 +1,5 @@
 #pragma once
-/// Equations and loads of a scene on its cells (internal to the statics floor).
+/// Equations and loads of a scene on its cells (internal to the layer).
 
 #include <cmath>
 #include <string>
@@ -21,7 +21,7 @@ struct RigidGroup {
   std::vector<int> nodes;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< X_c [m]
   int translation = 0;                               ///< dof of c_0
-  solver::Rotation turning;                          ///< axes: what it may turn about if nothing else holds it
+  solver::Rotation rotation;                         ///< axes: what it may turn about if nothing else holds it
 };
 
 /// The axis along which a region is flat, or -1.
@@ -58,7 +58,7 @@ class Constraints {
   solver::SplitEquations split(const std::vector<solver::Equation>& list) const;
   /// How the rigid groups may turn, given what equations say of each one's rotation.
   /// @throws common::Error for what cannot be told
-  std::vector<solver::Rotation> turnings(const std::vector<std::vector<solver::Equation>>& of_rotation) const;
+  std::vector<solver::Rotation> rotations(const std::vector<std::vector<solver::Equation>>& of_rotation) const;
 
  private:
   void addGroup(const std::string& name, int body, std::vector<int> nodes, std::vector<Eigen::Vector3d> axes);

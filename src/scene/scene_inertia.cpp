@@ -35,7 +35,7 @@ std::vector<solver::RigidInertiaTerm> givenInertia(const Scene& scene, const Con
     // In the plane only the moment about z is told: half of it along each axis.
     Eigen::Matrix3d inertia = given.inertia;
     if (D == 2) inertia(0, 0) = inertia(1, 1) = 0.5 * inertia(2, 2);
-    terms.emplace_back(group.name, D, group.translation, group.turning,
+    terms.emplace_back(group.name, D, group.translation, group.rotation,
                        solver::RigidMass::of(given.mass, Eigen::Vector3d::Zero(), inertia));
   }
   return terms;

@@ -32,9 +32,9 @@ class CompiledSceneOf : public CompiledScene {
     if (symmetry_.empty()) symmetry_ = "none";
     const Constraints<D> constraints(scene_, cells);
     solver::SplitEquations split = constraints.split(constraints.equations());
-    std::vector<solver::Rotation> turnings = constraints.turnings(split.of_rotation);
-    rigid_ = !turnings.empty();
-    auto coordinates = std::make_shared<const solver::Coordinates>(split.eliminated, D, std::move(turnings));
+    std::vector<solver::Rotation> rotations = constraints.rotations(split.of_rotation);
+    rigid_ = !rotations.empty();
+    auto coordinates = std::make_shared<const solver::Coordinates>(split.eliminated, D, std::move(rotations));
     solver::TermProblem::Parts parts = solver::solidParts<D>(cells_, std::move(coordinates), threads, forceFloor());
     const Eigen::VectorXd constant = constraints.constantLoad();
     loads_ = std::make_shared<const solver::LoadTerm>(constant.isZero(0) ? Eigen::VectorXd() : constant,
@@ -187,7 +187,7 @@ class CompiledSceneOf : public CompiledScene {
     for (const SceneMonitor& m : scene_.monitors) {
       const bool cells = scene_.bodies[m.body].hasCells();
       points_.push_back(cells ? typename Constraints<D>::Weights() : constraints.pointWeights(m.body, m.at.head<D>()));
-      turning_.push_back(cells ? solver::Rotation() : constraints.groupOf(m.body).turning);
+      rotations_.push_back(cells ? solver::Rotation() : constraints.groupOf(m.body).rotation);
     }
   }
 
@@ -206,8 +206,8 @@ class CompiledSceneOf : public CompiledScene {
   double ofGiven(int number, const Eigen::VectorXd& u) const {
     const SceneMonitor& m = scene_.monitors[number];
     if (m.radius > 0) {
-      const auto entry = [&](int i, int j) { return u(turning_[number].first + i + D * j); };
-      return std::atan2(entry(1, 0) - entry(0, 1), 2 * turning_[number].length + entry(0, 0) + entry(1, 1));
+      const auto entry = [&](int i, int j) { return u(rotations_[number].first + i + D * j); };
+      return std::atan2(entry(1, 0) - entry(0, 1), 2 * rotations_[number].length + entry(0, 0) + entry(1, 1));
     }
     double value = 0;
     for (const auto& [node, weight] : points_[number]) {
@@ -258,7 +258,7 @@ class CompiledSceneOf : public CompiledScene {
   std::shared_ptr<Weight<D>> weight_;
   std::vector<solver::RigidInertiaTerm> given_;           ///< of bodies without cells
   std::vector<typename Constraints<D>::Weights> points_;  ///< per monitor, of those
-  std::vector<solver::Rotation> turning_;
+  std::vector<solver::Rotation> rotations_;
   bool rigid_ = false;
 };
 

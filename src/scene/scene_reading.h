@@ -1,5 +1,5 @@
 #pragma once
-/// Shared parts of reading scene files (internal to the statics floor).
+/// Shared parts of reading scene files (internal to the layer).
 
 #include <map>
 #include <string>

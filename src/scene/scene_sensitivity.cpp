@@ -84,7 +84,7 @@ SceneSlope SceneSensitivityOf<D>::potential() const {
 
 template <int D>
 SceneSlope SceneSensitivityOf<D>::functional(const Eigen::VectorXd& gradient) const {
-  const solver::Motion w = adjoint_.adjoint(gradient);
+  const solver::Variation w = adjoint_.adjoint(gradient);
   SceneSlope result;
   result.density = adjoint_.displacement(w);
   result.joint.resize(joints_.size(), 2);

@@ -50,7 +50,7 @@ class SceneSensitivityOf : public SceneSensitivity {
   solver::Cholesky cholesky_;
   solver::TangentSystem system_;
   solver::Sensitivity adjoint_;
-  solver::Motion tangent_;
+  solver::Variation tangent_;
   Eigen::VectorXd force_;  ///< of the kept equations: lambda + rho g
   std::vector<int> joints_;
   std::vector<solver::LinearRows> rows_;  ///< two per joint

@@ -1,5 +1,5 @@
 #pragma once
-/// Mirror planes of a scene, found from its contents (internal to the statics floor).
+/// Mirror planes of a scene, found from its contents (internal to the layer).
 
 #include <array>
 #include <limits>

@@ -1,5 +1,5 @@
 #pragma once
-/// Deformed cells for ParaView (internal to the statics floor).
+/// Deformed cells for ParaView (internal to the layer).
 
 #include <string>
 #include <vector>

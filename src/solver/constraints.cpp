@@ -29,7 +29,7 @@ RowRank rankOf(const ConstraintRows& rows, double threshold) {
   for (Eigen::Index k = 0; k < count; ++k) result.rank += values[k] > threshold * values[0] ? 1 : 0;
   const VectorXd last = svd.matrixV().col(count - 1);
   for (Eigen::Index k = 0; k < count; ++k) {
-    if (std::abs(last[k]) > 0.3 * last.cwiseAbs().maxCoeff()) result.culprits.push_back(static_cast<int>(k));
+    if (std::abs(last[k]) > 0.3 * last.cwiseAbs().maxCoeff()) result.dependent.push_back(static_cast<int>(k));
   }
   return result;
 }
@@ -145,7 +145,7 @@ SplitEquations splitEquations(int full, int controls, const std::vector<Equation
     origin.push_back(number[n]);
   }
   std::vector<Equation> chains;
-  for (const Equation& equation : all.unresolved()) {
+  for (const Equation& equation : all.kept()) {
     const int one = (equation.terms.front().first - first_entry) / entries;
     const auto other = [&](const std::pair<int, double>& t) { return (t.first - first_entry) / entries != one; };
     const bool driven = !equation.control.empty() || std::abs(equation.constant) > 1e-12;

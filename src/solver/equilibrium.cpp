@@ -183,7 +183,7 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
 }
 
 /// With closed constraints whose rows are constant a step keeps them closed, and the energy decides on its length as
-/// without. Open ones are closed first, by the longest step that turns nothing inside out.
+/// without. Open ones are closed first, by the longest step that inverts no element.
 bool EquilibriumSolver::saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x) {
   if (problem_.curvedConstraints()) return curvedStep(dz, dl, x);
   if (closed(x)) {

@@ -70,12 +70,12 @@ template <int D>
 std::string JointEquilibrium<D>::refusal() const {
   const auto rows = static_cast<int>(names_.size());
   if (rank_.rank == rows) return "";
-  std::set<std::string> culprits;
-  for (const int row : rank_.culprits) culprits.insert(names_[row]);
+  std::set<std::string> dependent;
+  for (const int row : rank_.dependent) dependent.insert(names_[row]);
   std::ostringstream text;
   text << "the joints' matrix H has rank " << rank_.rank << " of " << rows << " (smallest singular value "
        << rank_.smallest << " of the largest): these hold the same displacements:";
-  for (const std::string& name : culprits) text << " '" << name << "'";
+  for (const std::string& name : dependent) text << " '" << name << "'";
   return text.str();
 }
 

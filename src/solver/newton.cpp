@@ -26,7 +26,7 @@ std::string statusName(SolveStatus status) {
     case SolveStatus::ITERATION_LIMIT:
       return "iteration limit";
     case SolveStatus::INVERTED_START:
-      return "first guess turns material inside out";
+      return "first guess inverts an element (det F <= 0)";
     case SolveStatus::LINE_SEARCH_FAILED:
       return "line search failed";
     case SolveStatus::SINGULAR:

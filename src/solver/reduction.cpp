@@ -53,7 +53,7 @@ class Elimination {
     return true;
   }
   const std::map<int, Affine>& slaves() const { return slaves_; }
-  const std::vector<Equation>& unresolved() const { return unresolved_; }
+  const std::vector<Equation>& kept() const { return kept_; }
 
  private:
   static constexpr double ROUNDING = 1e-10;
@@ -70,7 +70,7 @@ class Elimination {
       if (std::abs(value) > ROUNDING * size) left.control.emplace_back(k, -value);
     }
     left.constant = -rest.constant;
-    unresolved_.push_back(std::move(left));
+    kept_.push_back(std::move(left));
     return true;
   }
 
@@ -122,7 +122,7 @@ class Elimination {
   }
 
   int kept_from_;
-  std::vector<Equation> unresolved_;
+  std::vector<Equation> kept_;
   std::map<int, Affine> slaves_;
   std::map<int, std::set<int>> users_;  ///< free dof -> slaves that depend on it
 };
@@ -137,7 +137,7 @@ Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equati
     redundant_.push_back(equations[n].name);
     redundant_numbers_.push_back(static_cast<int>(n));
   }
-  unresolved_ = elimination.unresolved();
+  kept_ = elimination.kept();
   std::vector<int> free_of_dof(dofs, -1);
   for (int dof = 0; dof < dofs; ++dof) {
     if (elimination.slaves().count(dof)) continue;

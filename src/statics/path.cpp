@@ -150,9 +150,9 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::N
 }
 
 void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last) {
-  constexpr std::size_t ANCHOR = 10;
+  constexpr std::size_t RESTART_EVERY = 10;
   for (std::size_t k = first; k < targets.size(); ++k) {
-    if ((k - first) % ANCHOR == 0) {
+    if ((k - first) % RESTART_EVERY == 0) {
       result_.factorizations += solver_.restart(place_);
       predictor_.clear();
       predictor_.add(place_.p(0), place_.z, place_.slope);
@@ -160,7 +160,7 @@ void PathFollower::followTargets(const std::vector<double>& targets, std::size_t
     const int before = result_.iterations, factorizations = result_.factorizations;
     if (!stepTo(targets[k], last)) return stopped(targets[k], last);
     if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations,
-                (k - first) % ANCHOR == ANCHOR - 1))
+                (k - first) % RESTART_EVERY == RESTART_EVERY - 1))
       return;
   }
 }

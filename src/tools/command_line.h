@@ -7,7 +7,7 @@ class App;
 
 namespace snapwing::tools {
 
-/// Exit codes beside 0, and 1 for an honest negative outcome.
+/// Exit codes beside 0, and 1 for a negative answer.
 constexpr int BAD_INPUT = 2;
 constexpr int INTERNAL_ERROR = 3;
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Subcommands of the `snapwing` command line. Each adds itself to the app; a callback sets exit_code to 1 for an
-/// honest negative outcome (refused, not converged) and throws common::Error for bad input.
+/// negative answer (refused, not converged) and throws common::Error for bad input.
 
 namespace CLI {
 class App;

@@ -17,7 +17,7 @@ namespace snapwing::tools {
 
 namespace {
 
-using namespace design;  // NOLINT: a command is all about one floor
+using namespace design;  // NOLINT: a command is all about one layer
 
 struct Options {
   std::string settings, folder = "arm_design", density, vehicle, into, wing;

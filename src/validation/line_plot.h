@@ -1,5 +1,5 @@
 #pragma once
-/// A plot of lines as SVG text. Private to the floor.
+/// A plot of lines as SVG text. Private to the layer.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// Hashes and versions that tie a result to its inputs.
+/// Hashes and versions that connect a result with its inputs.
 
 #include <string>
 #include <vector>

@@ -65,7 +65,7 @@ class ConstitutiveModel {
   virtual SharedTangent shared(const DensityInterpolation::Value& /*cell*/, Order /*order*/) const { return {}; }
   /// @param f     deformation gradient [1]
   /// @param cell  of prepare()
-  /// @return false if the energy is infinite there (turned inside out); `out` then holds only det_f
+  /// @return false if the energy is infinite there (det F <= 0); `out` then holds only det_f
   virtual bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                                 Response<D>& out) const = 0;
   /// The same for a density in [0, 1].

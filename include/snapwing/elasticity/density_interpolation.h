@@ -2,7 +2,7 @@
 /// How stiffness follows the density of a cell.
 ///   s(rho)     = s_void + (1 - s_void) rho^p                      (modified SIMP)
 ///   gamma(rho) = (tanh(b eta) + tanh(b (rho^p - eta))) / (tanh(b eta) + tanh(b (1 - eta)))
-/// gamma mixes the hyperelastic energy with a linear one so that nearly void cells may turn inside out:
+/// gamma mixes the hyperelastic energy with a linear one so that nearly void cells may invert (det F <= 0):
 ///   W(H, rho) = s [ W_h(I + gamma H) + (1 - gamma^2) W_l(H) ],  H = F - I    (Wang, Lazarov, Sigmund, Jensen 2014)
 
 namespace snapwing::elasticity {

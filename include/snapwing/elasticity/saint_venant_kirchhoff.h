@@ -1,7 +1,7 @@
 #pragma once
 /// Saint Venant-Kirchhoff law, W = lambda/2 tr(G)^2 + mu G:G, G = (F^T F - I) / 2: linear between Green's strain and
 /// the second Piola stress. For large rotations at small strain; under compression to less than 0.58 of a length it
-/// softens, and it does not resist being turned inside out. With a density interpolation as the neo-Hookean law has it:
+/// softens, and it does not resist inversion (det F <= 0). With a density interpolation as the neo-Hookean law has it:
 ///   W(F, rho) = s(rho) [W(I + m (F - I)) + (1 - m^2) W_linear(F - I)]
 /// Plane stress is exact: S33 = 0 makes lambda 2 lambda mu / (lambda + 2 mu).
 

@@ -16,7 +16,7 @@
 namespace snapwing::link {
 
 enum class Protocol { MSP1, MSP2, SBUS, CRSF };
-/// @param name  "msp1", "msp2", "sbus" or "crsf". @throws common::SettingError
+/// @param name  "msp1", "msp2", "sbus" or "crsf". @throws common::Error naming these
 Protocol protocolFromName(const std::string& name);
 /// Baud rate, parity and stop bits that the protocol asks for.
 LineSettings lineSettings(Protocol protocol);

@@ -44,7 +44,7 @@ struct AxisSettings {
   double cell_size = 0;  ///< [m]; 0: that of the arm's density
   /// 1: coarser cells than the file's keep its mass; 3: the stiffness (mpm::DensityField::resampled)
   double coarsening_power = 1;
-  double least_density = 0.2;  ///< cells below are left out: lighter ones turn inside out in violent trials
+  double least_density = 0.2;  ///< cells below are left out: lighter ones invert in violent trials
   mpm::MassKind mass = mpm::MassKind::CONSISTENT;
   DampingLaw damping = DampingLaw::TRAVEL;
   bool relaxation = true;         ///< with the memory of the material that the vehicle file states, if any

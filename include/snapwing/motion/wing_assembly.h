@@ -38,7 +38,7 @@ class WingAssembly {
   /// Joins the crank of a wing with its arm. @param rotation_at_rest  gradient of the arm's rotation by the coordinates
   std::shared_ptr<const HubTerm> hub(int wing, const Eigen::VectorXd& rotation_at_rest, int carrier,
                                      double stiffness) const;
-  /// Ties the crank to the travel instead. @param curve  arm's rotation by the travel
+  /// Constrains the crank to the travel instead. @param curve  arm's rotation by the travel
   std::shared_ptr<const solver::Term> travelHub(int wing, const solver::Row& travel, const SmoothCurve& curve,
                                                 double stiffness) const;
   double mass() const;  ///< of all wings with their weight [kg]

@@ -100,7 +100,7 @@ class AngleEnergy : public solver::Term {
   SmoothCurve energy_;
 };
 
-/// Ties a body's angle to the travel by a curve, as if the arm were on its static path: k/2 (angle - curve(u))^2.
+/// Penalty that keeps a body's angle on a curve of the travel, the arm's static path: k/2 (angle - curve(u))^2.
 class TravelHub : public solver::Term {
  public:
   /// @param curve  angle by the travel [rad] of [m]; @param stiffness  k [N m] > 0. @throws common::Error

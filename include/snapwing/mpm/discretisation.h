@@ -38,7 +38,7 @@ struct Assembly {
   double force_scale = 0;      ///< [N] 2-norm of the cells' nodal forces before they cancel
   double min_det_f = std::numeric_limits<double>::infinity();  ///< over all particles
   int min_det_f_cell = -1;
-  bool finite = false;  ///< false: some particle is turned inside out, or NaN
+  bool finite = false;  ///< false: det F <= 0 at some particle, or NaN
 };
 
 template <int D>

@@ -24,7 +24,7 @@ struct MapDerivative {
 };
 
 /// @param rates  rates[body][parameter] = Y [1 per unit of the parameter], the same count for every body
-/// @param u      nodal displacements in the axes of the image [m]; no particle may be turned inside out
+/// @param u      nodal displacements in the axes of the image [m]; det F > 0 at each particle
 /// @throws common::Error for sizes that do not match or an energy that is not finite
 template <int D>
 MapDerivative<D> mapDerivative(const Discretisation<D>& solid, const Eigen::VectorXd& u,

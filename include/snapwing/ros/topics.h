@@ -1,6 +1,6 @@
 #pragma once
 /// Names of topics, services and actions, once for every node. All are relative: a launch file's namespace moves them.
-/// The floor's namespace is `nodes`: generated messages say `ros::` inside `snapwing`, so no `snapwing::ros` may exist.
+/// The layer's namespace is `nodes`: generated messages say `ros::` inside `snapwing`, so no `snapwing::ros` may exist.
 
 namespace snapwing::nodes::topics {
 

@@ -19,9 +19,9 @@ namespace snapwing::solver {
 
 /// How far the rows of C are from depending on each other.
 struct RowRank {
-  int rank = 0;               ///< singular values above `threshold` times the largest
-  double smallest = 0;        ///< smallest singular value over the largest [1]
-  std::vector<int> culprits;  ///< rows with a large share in the smallest one's left vector
+  int rank = 0;                ///< singular values above `threshold` times the largest
+  double smallest = 0;         ///< smallest singular value over the largest [1]
+  std::vector<int> dependent;  ///< rows with a large share in the smallest one's left vector
 };
 RowRank rankOf(const ConstraintRows& rows, double threshold = 1e-8);
 

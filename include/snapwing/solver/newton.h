@@ -3,7 +3,7 @@
 ///
 /// Converged: |r| <= max(relative_tolerance * force_scale, 10 rounding, forceFloor()). A step d solves H d = -r with
 /// the exact H; only if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps
-/// are shortened until the potential falls (Armijo) and no particle is turned inside out.
+/// are shortened until the potential falls (Armijo) and every det F is above 0.
 
 #include <functional>
 #include <string>
@@ -16,7 +16,7 @@ enum class SolveStatus {
   NOT_SOLVED,
   CONVERGED,
   ITERATION_LIMIT,
-  INVERTED_START,      ///< the first guess turns material inside out
+  INVERTED_START,      ///< the first guess inverts an element (det F <= 0)
   LINE_SEARCH_FAILED,  ///< no step along the direction lowers the potential
   SINGULAR,            ///< even the projected Hessian has no factor: something is not supported
   CANCELLED,

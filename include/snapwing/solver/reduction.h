@@ -29,7 +29,7 @@ class Reduction {
   int freeCount() const { return static_cast<int>(dof_of_free_.size()); }
   int controlCount() const { return controls_; }
   /// What is left of equations in which nothing but kept dofs remained.
-  const std::vector<Equation>& unresolved() const { return unresolved_; }
+  const std::vector<Equation>& kept() const { return kept_; }
   /// Dof that a free coordinate is.
   int dofOfFree(int z) const { return dof_of_free_[z]; }
   /// Equations that followed from others.
@@ -56,7 +56,7 @@ class Reduction {
   std::vector<double> constant_;                              ///< per slave
   std::vector<std::string> redundant_;
   std::vector<int> redundant_numbers_;
-  std::vector<Equation> unresolved_;
+  std::vector<Equation> kept_;
 };
 
 }  // namespace snapwing::solver

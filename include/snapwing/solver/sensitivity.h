@@ -16,8 +16,8 @@ namespace snapwing::solver {
 template <int D>
 Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid);
 
-/// A motion of all that is solved for.
-struct Motion {
+/// A direction in which all that is solved for changes.
+struct Variation {
   Eigen::VectorXd z, multipliers;  ///< free coordinates; of kept constraints, empty without
   Eigen::VectorXd y;               ///< full coordinates
 };
@@ -32,18 +32,18 @@ class Sensitivity {
       : problem_(problem), system_(system), at_(at), cells_(cells) {}
 
   /// d(z, lambda, y)/dp along the branch.
-  Motion tangent() const;
+  Variation tangent() const;
   /// The same without its multipliers, where slope = dz/dp is known already.
-  Motion tangent(const Eigen::VectorXd& slope) const;
+  Variation tangent(const Eigen::VectorXd& slope) const;
   /// [w, nu] of a displacement functional a = d(result)/dy, (full coordinates x 1) or their first ones.
-  Motion adjoint(const Eigen::VectorXd& functional) const;
+  Variation adjoint(const Eigen::VectorXd& functional) const;
 
-  Eigen::VectorXd reaction(const Motion& tangent) const { return alongMotion(tangent); }      ///< [N]
-  Eigen::VectorXd displacement(const Motion& adjoint) const { return alongMotion(adjoint); }  ///< of a . y
-  Eigen::VectorXd potential() const;                                                          ///< [J]
+  Eigen::VectorXd reaction(const Variation& tangent) const { return along(tangent); }      ///< [N]
+  Eigen::VectorXd displacement(const Variation& adjoint) const { return along(adjoint); }  ///< of a . y
+  Eigen::VectorXd potential() const;                                                       ///< [J]
 
  private:
-  Eigen::VectorXd alongMotion(const Motion& motion) const;
+  Eigen::VectorXd along(const Variation& direction) const;
 
   const TermProblem& problem_;
   const TangentSystem& system_;

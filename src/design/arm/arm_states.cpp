@@ -32,28 +32,28 @@ void ArmTopology::sense(const Variant& variant, State& state, const solver::Tang
   if (state.wants_potential) state.potential = mechanism.potential(system, at);
 }
 
-/// A variant's states are dealt out to two lanes: with three variants on two threads, one would else wait for the
-/// other. The number of lanes does not depend on the number of threads, so that the bits do not either.
+/// A variant's states are dealt out to two workers: with three variants on two threads, one would else wait for the
+/// other. The number of workers does not depend on the number of threads, so that the bits do not either.
 void ArmTopology::makeLanes(Variant& variant) const {
   constexpr std::size_t OF_PULLED = 4;  // the state under a force takes as long as about four at a travel
   const std::size_t count = variant.states.size();
   const std::size_t split = count > OF_PULLED ? (count - OF_PULLED) / 2 : count;
   for (const auto& [first, end] : {std::array<std::size_t, 2>{0, split}, {split, count}}) {
     if (first == end && first > 0) continue;
-    variant.lanes.push_back(std::make_unique<Lane>(variant.mechanism.problem(), newton_tolerance_));
-    Lane& lane = *variant.lanes.back();
-    lane.first = first, lane.end = end, lane.with_pulled = first == 0;
+    variant.workers.push_back(std::make_unique<Worker>(variant.mechanism.problem(), newton_tolerance_));
+    Worker& worker = *variant.workers.back();
+    worker.first = first, worker.end = end, worker.with_pulled = first == 0;
   }
 }
 
-bool ArmTopology::solveState(const Variant& variant, Lane& lane, State& state, bool with_derivatives) const {
-  solver::Evaluation& at = lane.at;
-  const solver::NewtonResult solved = lane.newton.solve(Eigen::VectorXd::Constant(1, state.travel), state.z, at);
-  lane.newton_iterations += solved.iterations;
+bool ArmTopology::solveState(const Variant& variant, Worker& worker, State& state, bool with_derivatives) const {
+  solver::Evaluation& at = worker.at;
+  const solver::NewtonResult solved = worker.newton.solve(Eigen::VectorXd::Constant(1, state.travel), state.z, at);
+  worker.newton_iterations += solved.iterations;
   if (!solved.converged()) {
     std::ostringstream text;
     text << "no equilibrium at u = " << state.travel << " m: " << solver::statusName(solved.status);
-    lane.why = text.str();
+    worker.why = text.str();
     return false;
   }
   const Mechanism& mechanism = variant.mechanism;
@@ -63,18 +63,18 @@ bool ArmTopology::solveState(const Variant& variant, Lane& lane, State& state, b
     return true;
   }
   const double begin = solver::secondsNow();
-  solver::TangentSystem system(mechanism.problem(), lane.newton.cholesky());
+  solver::TangentSystem system(mechanism.problem(), worker.newton.cholesky());
   if (system.factorize(at) < 0) {
-    lane.why = "singular tangent at u = " + std::to_string(state.travel) + " m";
+    worker.why = "singular tangent at u = " + std::to_string(state.travel) + " m";
     return false;
   }
   Eigen::VectorXd free_part, control_part;
   mechanism.problem().controlTangent(at, Eigen::VectorXd::Ones(1), free_part, control_part);
-  state.slope = -lane.newton.cholesky().solve(free_part);
+  state.slope = -worker.newton.cholesky().solve(free_part);
   state.stiffness = mechanism.multiplicity() * (control_part(0) + free_part.dot(state.slope));
   state.by_density = mechanism.forceByDensity(system, at, state.slope);
   sense(variant, state, &system, at);
-  lane.seconds_derivatives += solver::secondsNow() - begin;
+  worker.seconds_derivatives += solver::secondsNow() - begin;
   return true;
 }
 
@@ -105,13 +105,13 @@ bool ArmTopology::tracePulled(Variant& variant, std::string& why) const {
 }
 
 /// Newton on the travel until R(u3) = -f, from the last design's state or else from the path.
-bool ArmTopology::solvePulled(Variant& variant, Lane& lane) const {
+bool ArmTopology::solvePulled(Variant& variant, Worker& worker) const {
   if (settings_.compliance_weight == 0 || settings_.compliance_force == 0) return true;
   State& s = variant.pulled;
   for (int attempt = s.z.size() == 0 ? 1 : 0; attempt < 2; ++attempt) {
-    if (attempt == 1 && !tracePulled(variant, lane.why)) return false;
+    if (attempt == 1 && !tracePulled(variant, worker.why)) return false;
     for (int k = 0; k < 30; ++k) {
-      if (!solveState(variant, lane, s, true)) break;
+      if (!solveState(variant, worker, s, true)) break;
       const double missing = -settings_.compliance_force - s.force;
       if (std::abs(missing) < 1e-7 * settings_.compliance_force) return true;
       if (!(s.stiffness > 0)) break;
@@ -120,7 +120,7 @@ bool ArmTopology::solvePulled(Variant& variant, Lane& lane) const {
       s.z += step * s.slope;
     }
   }
-  if (lane.why.empty()) lane.why = "no equilibrium under the compliance force was found near the path from rest";
+  if (worker.why.empty()) worker.why = "no equilibrium under the compliance force was found near the path from rest";
   return false;
 }
 
@@ -155,38 +155,38 @@ void ArmTopology::beginVariant(Variant& variant) const {
   variant.good = !(cold || retrace_wanted_) || retrace(variant) || !cold;
 }
 
-/// @return false if no equilibrium was found at a travel; whether the lane is good says all
-bool ArmTopology::solveStates(Variant& variant, Lane& lane, bool with_derivatives) const {
-  lane.newton.restart();  // a run that is resumed has no factor of earlier designs either
-  lane.why.clear();
-  lane.good = false;
-  for (std::size_t k = lane.first; k < lane.end; ++k) {
-    if (!solveState(variant, lane, variant.states[k], with_derivatives)) return false;
+/// @return false if no equilibrium was found at a travel; whether the worker is good says all
+bool ArmTopology::solveStates(Variant& variant, Worker& worker, bool with_derivatives) const {
+  worker.newton.restart();  // a run that is resumed has no factor of earlier designs either
+  worker.why.clear();
+  worker.good = false;
+  for (std::size_t k = worker.first; k < worker.end; ++k) {
+    if (!solveState(variant, worker, variant.states[k], with_derivatives)) return false;
   }
-  lane.good = !lane.with_pulled || solvePulled(variant, lane);
+  worker.good = !worker.with_pulled || solvePulled(variant, worker);
   return true;
 }
 
-/// Lanes share nothing that changes, so that the number of threads does not change a bit.
+/// Workers share nothing that changes, so that the number of threads does not change a bit.
 bool ArmTopology::solveVariants(bool with_derivatives, std::string& why) {
-  const auto lanes = static_cast<int>(variants_.front()->lanes.size()), count = static_cast<int>(variants_.size());
+  const auto workers = static_cast<int>(variants_.front()->workers.size()), count = static_cast<int>(variants_.size());
   common::parallelFor(count, settings_.threads, [&](int v) { beginVariant(*variants_[v]); });
-  std::vector<char> found(static_cast<std::size_t>(count) * lanes, 1);
-  common::parallelFor(count * lanes, settings_.threads, [&](int n) {
-    Variant& variant = *variants_[n / lanes];
-    if (variant.good) found[n] = solveStates(variant, *variant.lanes[n % lanes], with_derivatives);
+  std::vector<char> found(static_cast<std::size_t>(count) * workers, 1);
+  common::parallelFor(count * workers, settings_.threads, [&](int n) {
+    Variant& variant = *variants_[n / workers];
+    if (variant.good) found[n] = solveStates(variant, *variant.workers[n % workers], with_derivatives);
   });
   common::parallelFor(count, settings_.threads, [&](int v) {
     Variant& variant = *variants_[v];
-    const auto begin = found.begin() + v * lanes;
-    if (variant.good && !variant.retraced && std::find(begin, begin + lanes, 0) != begin + lanes) {
+    const auto begin = found.begin() + v * workers;
+    if (variant.good && !variant.retraced && std::find(begin, begin + workers, 0) != begin + workers) {
       variant.good = retrace(variant);  // all states again, from rest
-      for (auto& lane : variant.lanes) {
-        if (!variant.good || !solveStates(variant, *lane, with_derivatives)) break;
+      for (auto& worker : variant.workers) {
+        if (!variant.good || !solveStates(variant, *worker, with_derivatives)) break;
       }
     }
-    for (const auto& lane : variant.lanes) {
-      if (variant.good && !lane->good) variant.good = false, variant.why = lane->why;
+    for (const auto& worker : variant.workers) {
+      if (variant.good && !worker->good) variant.good = false, variant.why = worker->why;
     }
   });
   for (const auto& variant : variants_) {
@@ -207,7 +207,7 @@ long ArmTopology::newtonIterations() const {
   long sum = 0;
   for (const auto& variant : variants_) {
     sum += variant->newton_iterations;
-    for (const auto& lane : variant->lanes) sum += lane->newton_iterations;
+    for (const auto& worker : variant->workers) sum += worker->newton_iterations;
   }
   return sum;
 }
@@ -216,11 +216,11 @@ ArmTopology::Seconds ArmTopology::seconds() const {
   Seconds sum;
   for (const auto& variant : variants_) {
     sum.retraces += variant->seconds_retrace;
-    for (const auto& lane : variant->lanes) {
-      sum.assembly += lane->newton.secondsAssembly();
-      sum.factor += lane->newton.cholesky().secondsFactor();
-      sum.solve += lane->newton.cholesky().secondsSolve();
-      sum.derivatives += lane->seconds_derivatives;
+    for (const auto& worker : variant->workers) {
+      sum.assembly += worker->newton.secondsAssembly();
+      sum.factor += worker->newton.cholesky().secondsFactor();
+      sum.solve += worker->newton.cholesky().secondsSolve();
+      sum.derivatives += worker->seconds_derivatives;
     }
   }
   return sum;

@@ -1,5 +1,5 @@
 #pragma once
-/// Equilibria of one variant of an arm design (internal to the design floor).
+/// Equilibria of one variant of an arm design (internal to the layer).
 
 #include <memory>
 #include <vector>
@@ -22,8 +22,8 @@ struct ArmTopology::State {
 };
 
 /// Part of a variant's states with a factor and work space of its own.
-struct ArmTopology::Lane {
-  Lane(const solver::Problem& problem, double tolerance) : newton(problem, settingsFor(tolerance)) {}
+struct ArmTopology::Worker {
+  Worker(const solver::Problem& problem, double tolerance) : newton(problem, settingsFor(tolerance)) {}
   static solver::NewtonSettings settingsFor(double tolerance) {
     solver::NewtonSettings settings;
     settings.relative_tolerance = tolerance;
@@ -47,7 +47,7 @@ struct ArmTopology::Variant {
   Variant(const scene::Scene& scene, int body, int threads) : mechanism(scene, body, threads) {}
 
   Mechanism mechanism;
-  std::vector<std::unique_ptr<Lane>> lanes;
+  std::vector<std::unique_ptr<Worker>> workers;
   std::shared_ptr<const Chain> map;
   std::vector<State> states;
   State pulled;  ///< under the force -f

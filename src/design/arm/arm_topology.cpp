@@ -64,8 +64,8 @@ void ArmTopology::makeVariants() {
   rung.cell_size = settings_.stages[stage_].cell_size;
   const scene::Scene scene = designScene(settings_, rung, nullptr);
   const int count = static_cast<int>(settings_.thresholds.size());
-  // The variants' lanes share the threads; what is left over goes to the assembly.
-  const int threads = std::max(1, settings_.threads / (count * Lane::A_VARIANT));
+  // The variants' workers share the threads; what is left over goes to the assembly.
+  const int threads = std::max(1, settings_.threads / (count * Worker::A_VARIANT));
   for (int v = 0; v < count; ++v) {
     variants_.push_back(std::make_unique<Variant>(scene, settings_.body, threads));
     Variant& variant = *variants_.back();

@@ -1,4 +1,4 @@
-// The design floor's own MMA on the wing problem. Its approximations are separable, and the wing's objective is a
+// The design layer's own MMA on the wing problem. Its approximations are separable, and the wing's objective is a
 // valley a hundred times steeper across than along that runs askew to the coordinates: in X itself the method swings
 // from wall to wall. So it works in rounds, each in coordinates y of the objective's curvature at the round's start,
 //   x = x0 + Q diag(1 / sqrt(lambda)) y,   H = Q diag(lambda) Q^T by differences of the gradient,

@@ -33,7 +33,7 @@ class WingRun {
   LocalResult best_;
 };
 
-/// The design floor's own MMA. @return what ended it
+/// The design layer's own MMA. @return what ended it
 std::string runOwnMma(const WingProblem& problem, const Eigen::Vector4d& start, WingRun* run);
 
 }  // namespace snapwing::design

@@ -73,7 +73,7 @@ class ArmTopology : public OptimizationProblem {
 
  private:
   struct State;
-  struct Lane;
+  struct Worker;
   struct Variant;
   struct Bound;
   void makeVariants();
@@ -81,9 +81,9 @@ class ArmTopology : public OptimizationProblem {
   void makeLanes(Variant& variant) const;
   bool solveVariants(bool with_derivatives, std::string& why);
   void beginVariant(Variant& variant) const;
-  bool solveStates(Variant& variant, Lane& lane, bool with_derivatives) const;
-  bool solveState(const Variant& variant, Lane& lane, State& state, bool with_derivatives) const;
-  bool solvePulled(Variant& variant, Lane& lane) const;
+  bool solveStates(Variant& variant, Worker& worker, bool with_derivatives) const;
+  bool solveState(const Variant& variant, Worker& worker, State& state, bool with_derivatives) const;
+  bool solvePulled(Variant& variant, Worker& worker) const;
   void sense(const Variant& variant, State& state, const solver::TangentSystem* system,
              const solver::Evaluation& at) const;
   Mechanism::Sensed valleyForce(const Variant& variant, bool with_derivatives) const;

@@ -11,7 +11,7 @@
 /// their elements. f: friction moments of the pins, against the motion that the rigid rung predicts.
 ///     saddle point  [K H^T; H 0] [dq; dlambda] = -[grad E - f + H^T lambda; H q - h]
 ///     dL/dX = L_X - y^T d2E/dq dX,   [K H^T; H 0] [y; z] = [L_q; 0]
-/// The same linkage as solids on the mpm floor: linkage_solid.h.
+/// The same linkage as solids on the mpm layer: linkage_solid.h.
 
 #include <Eigen/Core>
 #include <memory>

@@ -1,5 +1,5 @@
 #pragma once
-/// What the elastic rungs of the wing's linkage have in common: beams (linkage_elastic.h) and solids on the mpm floor
+/// What the elastic rungs of the wing's linkage have in common: beams (linkage_elastic.h) and solids on the mpm layer
 /// (linkage_solid.h). Displacements live on the common rest plane, joints are linear equalities between interpolated
 /// displacements, the arm's rotation drives:
 ///     min_q E(q; X) - f.q   s.t.   H q = h(theta)

@@ -1,5 +1,5 @@
 #pragma once
-/// The wing's linkage as solids on the mpm floor: the paper's model.
+/// The wing's linkage as solids on the mpm layer: the paper's model.
 ///
 /// Four straight bars - arm (port P through the axle A to X1), coupler (X1 to X2), leading edge (X2 to tip), rocker
 /// (auxiliary B to X2) - each embedded in a background grid of its own that is aligned with the bar. The grid is mapped

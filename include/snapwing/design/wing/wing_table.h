@@ -1,5 +1,5 @@
 #pragma once
-/// Filling the wing's table (common/wing_table.h) from a designed linkage.
+/// Filling the wing's table (vehicle/wing_table.h) from a designed linkage.
 
 #include <optional>
 
