@@ -39,7 +39,7 @@ class BridgeCore {
   BridgeCore(const BridgeSettings& settings, std::int64_t session, double now);
 
   /// Messages, already authenticated. Each returns why it had no effect, or NONE; refusals are counted. A command
-  /// takes effect with the next frame.
+  /// takes effect with the next frame. @param now  [s] on the bridge's monotonic clock, here and below
   Refusal onPulse(const PulseCommand& command, double now);
   Refusal onHeartbeat(const Heartbeat& heartbeat, double now);
   Refusal onAbort(const Abort& abort, double now);

@@ -88,11 +88,11 @@ class AxisVehicle {
   /// @param thrust  [N] of the vehicle; @param held  false if the mode is no equilibrium under these loads
   MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const;
 
-  double ringPosition(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.y(ring_); }
-  double ringSpeed(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.v(ring_); }
-  double centreSpeed(const MotionState& s) const { return s.v(centre_); }
-  double travel(const MotionState& s) const { return ringPosition(s) - s.y(centre_); }
-  double travelRate(const MotionState& s) const { return ringSpeed(s) - centreSpeed(s); }
+  double ringPosition(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.y(ring_); }  ///< [m]
+  double ringSpeed(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.v(ring_); }     ///< [m/s]
+  double centreSpeed(const MotionState& s) const { return s.v(centre_); }                   ///< [m/s]
+  double travel(const MotionState& s) const { return ringPosition(s) - s.y(centre_); }      ///< u [m]
+  double travelRate(const MotionState& s) const { return ringSpeed(s) - centreSpeed(s); }   ///< u' [m/s]
   /// Rotation of the (left) arm about its axle [rad].
   double armRotation(const MotionState& s) const;
   /// Rotation of a wing from rest [rad]; NaN without wings.

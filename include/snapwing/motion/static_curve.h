@@ -30,10 +30,10 @@ class StaticCurve {
   const vehicle::ForceTable& table() const { return table_; }
   double forceAt(double control) const { return vehicle::forceAt(table_, control); }  ///< [N]
   /// Middle zero, the minimum behind the peak and the second stable zero; NaN where the curve has none.
-  double barrier() const { return features_.barrier_travel; }
-  double valley() const { return features_.valley_travel; }
-  double valleyForce() const { return features_.valley_force; }
-  double second() const { return features_.second_travel; }
+  double barrier() const { return features_.barrier_travel; }    ///< [m]
+  double valley() const { return features_.valley_travel; }      ///< [m]
+  double valleyForce() const { return features_.valley_force; }  ///< [N]
+  double second() const { return features_.second_travel; }      ///< [m]
   bool bistable() const { return features_.bistable; }
   /// The equilibrium at a control, from the point nearby. @throws common::Error
   StaticPoint at(double control) const;

@@ -98,9 +98,9 @@ class Stepper {
   void restart() { solver_->restart(); }
   const solver::TermProblem& problem() const { return *problem_; }
   const Scheme& scheme() const { return scheme_; }
-  double secondsAssembly() const { return solver_->secondsAssembly(); }
-  double secondsFactor() const { return solver_->cholesky().secondsFactor(); }
-  double secondsSolve() const { return solver_->cholesky().secondsSolve(); }
+  double secondsAssembly() const { return solver_->secondsAssembly(); }         ///< of the CPU so far [s]
+  double secondsFactor() const { return solver_->cholesky().secondsFactor(); }  ///< [s]
+  double secondsSolve() const { return solver_->cholesky().secondsSolve(); }    ///< [s]
   int totalIterations() const { return iterations_; }
   int totalFactorizations() const { return factorizations_; }
 

@@ -31,6 +31,7 @@ class WingLinkage {
   /// turns clockwise in the linkage's frame
   WingLinkage(const vehicle::WingTable& table, const std::string& layout, double inertia_scale, double friction_scale);
 
+  /// Places of the pins at rest in the linkage's frame [m].
   const Eigen::Vector2d& auxiliary() const { return auxiliary_; }
   const Eigen::Vector2d& joint1() const { return joint1_; }
   const Eigen::Vector2d& joint2() const { return joint2_; }

@@ -13,6 +13,7 @@ struct DensityField {
   std::array<int, 2> cells{};  ///< along x, y; lower corner at the origin
   std::vector<double> value;   ///< rho in [0, 1], x fastest; -1 where there is no cell
 
+  /// Density of cell (i, j) [1]; negative: no cell.
   double at(int i, int j) const { return value[static_cast<std::size_t>(j) * cells[0] + i]; }
   bool present(int i, int j) const { return i >= 0 && j >= 0 && i < cells[0] && j < cells[1] && at(i, j) >= 0; }
 

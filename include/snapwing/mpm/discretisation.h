@@ -78,6 +78,7 @@ class Discretisation {
 
   /// Weights (node, weight) of the displacement at a point of a body; empty if no cell holds it.
   std::vector<std::pair<int, double>> interpolate(int body, const Vector<D>& point) const;
+  /// Displacement [m] at a point [m] of a body.
   Vector<D> displacementAt(int body, const Vector<D>& point, const Eigen::VectorXd& u) const;
   /// Node of a body at a number of its grid, or -1 where no cell needs it.
   int findNode(int body, int grid_node) const { return node_of_grid_[body][grid_node]; }

@@ -45,7 +45,7 @@ struct Grid {
   std::vector<int> cellNodes(const Index<D>& cell) const;
   /// Rest position of a node [m]; u_i = A X_i + b reproduces linear fields with either kernel.
   Vector<D> nodePosition(int number) const;
-  Vector<D> cellCentre(const Index<D>& cell) const;
+  Vector<D> cellCentre(const Index<D>& cell) const;  ///< [m]
   /// Cell that holds a point, points on the outer faces included; false if outside.
   bool locate(const Vector<D>& point, Index<D>& cell, Vector<D>& local) const;
   /// Kernel weights of a cell's nodes at a local point, and gradients [1/m] as columns.

@@ -30,7 +30,7 @@ class EnergySpline : public Potential {
 
   double lowest() const { return curve_->travel.front(); }  ///< [m]
   double highest() const { return curve_->travel.back(); }  ///< [m]
-  double forceScale() const { return scale_; }
+  double forceScale() const { return scale_; }              ///< [1]
 
  private:
   struct Curve {

@@ -124,7 +124,7 @@ class LumpedModel {
   bool wingsAct(const vehicle::Trial& trial) const;
   const Potential& potential() const { return *potential_; }
   const vehicle::VehicleParameters& parameters() const { return parameters_; }
-  double idleFraction() const { return idle_fraction_; }
+  double idleFraction() const { return idle_fraction_; }  ///< of the full thrust [1]
   const LumpedSettings& settings() const { return settings_; }
 
  private:

@@ -29,6 +29,7 @@ struct Frame {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Point3 origin = Point3::Zero();
   bool moved() const { return rotation != Eigen::Matrix3d::Identity() || origin != Point3::Zero(); }
+  /// A point [m] of the body's own coordinates in the world's, and back.
   Point3 toWorld(const Point3& own) const { return moved() ? Point3(rotation * own + origin) : own; }
   Point3 toOwn(const Point3& world) const { return moved() ? Point3(rotation.transpose() * (world - origin)) : world; }
 };
@@ -54,7 +55,7 @@ struct SceneBody {
   bool extruded = true;                              ///< volumetric: the shape bounds itself along z if false
 
   bool hasCells() const { return !(given.mass > 0); }
-  double thicknessAt(double x, double y) const;
+  double thicknessAt(double x, double y) const;  ///< [m], of a place in the plane [m]
 };
 
 /// Displacement components of the part of a body in a region: a face if the region is flat, else all within. Of a body

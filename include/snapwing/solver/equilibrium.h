@@ -11,16 +11,16 @@ namespace snapwing::solver {
 
 /// A point with its derivatives along the branch, as far as linearise() filled them in.
 struct Equilibrium {
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);  ///< the control, or t on a line of controls
-  Eigen::VectorXd z;                             ///< free coordinates
-  Eigen::VectorXd multipliers;                   ///< of constraints; empty without
-  Evaluation at;                                 ///< of order TANGENT at (z, p)
-  Eigen::VectorXd slope, multiplier_slope;       ///< dz/dp, dlambda/dp; zero where they do not exist
-  Eigen::VectorXd load;                          ///< d2L/dz dp
-  double control_curvature = 0;                  ///< d2L/dp2 at fixed z and multipliers
-  double stiffness = 0;                          ///< d(force)/dp along the branch
-  int negative_pivots = -1;                      ///< of the Hessian on admissible motions; -1 unknown
-  double force() const { return at.control_force(0); }
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);         ///< the control, or t on a line of controls
+  Eigen::VectorXd z;                                    ///< free coordinates
+  Eigen::VectorXd multipliers;                          ///< of constraints; empty without
+  Evaluation at;                                        ///< of order TANGENT at (z, p)
+  Eigen::VectorXd slope, multiplier_slope;              ///< dz/dp, dlambda/dp; zero where they do not exist
+  Eigen::VectorXd load;                                 ///< d2L/dz dp
+  double control_curvature = 0;                         ///< d2L/dp2 at fixed z and multipliers
+  double stiffness = 0;                                 ///< d(force)/dp along the branch
+  int negative_pivots = -1;                             ///< of the Hessian on admissible motions; -1 unknown
+  double force() const { return at.control_force(0); }  ///< dPi/dp; [N] for a travel in m
 };
 
 /// Plane normal.(z - origin) + control_normal (p - control) = distance in the space of branches.

@@ -95,7 +95,7 @@ class Newton {
   }
 
   Cholesky& cholesky() { return cholesky_; }
-  double secondsAssembly() const { return seconds_assembly_; }
+  double secondsAssembly() const { return seconds_assembly_; }  ///< [s]
 
  private:
   /// What stays as it is during a solve.

@@ -47,6 +47,7 @@ class Problem {
   virtual int freeCount() const = 0;
   virtual int controlCount() const = 0;
   virtual const SparsePattern& pattern() const = 0;
+  /// @param z  free coordinates, (free x 1); @param p  controls, (controls x 1); @param out  see Evaluation for units
   virtual void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, Order order, Evaluation& out) const = 0;
   /// The same at multipliers of the constraints [N], which `evaluate` takes for zero.
   virtual void evaluateLagrangian(const Eigen::VectorXd& z, const Eigen::VectorXd& p,

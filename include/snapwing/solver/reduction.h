@@ -36,6 +36,7 @@ class Reduction {
   const std::vector<std::string>& redundant() const { return redundant_; }
   const std::vector<int>& redundantNumbers() const { return redundant_numbers_; }  ///< in the list given
 
+  /// u = T z + B p + c, (dofs x 1). @param z  (free x 1); @param p  (controls x 1)
   Eigen::VectorXd expand(const Eigen::VectorXd& z, const Eigen::VectorXd& p) const;
   /// Directions: without the constants.
   Eigen::VectorXd expandDirection(const Eigen::VectorXd& dz, const Eigen::VectorXd& dp) const;

@@ -13,6 +13,7 @@ class Row {
   /// @param entries  (full coordinate, coefficient [1]); at least one, none twice. @throws common::Error
   explicit Row(std::vector<std::pair<int, double>> entries);
 
+  /// The function's value. @param y  (full coordinates x 1)
   double dot(const Eigen::VectorXd& y) const {
     double sum = 0;
     for (std::size_t k = 0; k < coordinates_.size(); ++k) sum += values_(static_cast<int>(k)) * y(coordinates_[k]);
@@ -30,7 +31,7 @@ class Row {
     for (std::size_t k = 0; k < coordinates_.size(); ++k)
       gradient(coordinates_[k]) += times * values_(static_cast<int>(k));
   }
-  double norm() const { return values_.norm(); }
+  double norm() const { return values_.norm(); }  ///< of the coefficients [1]
   const std::vector<int>& coordinates() const { return coordinates_; }
   const Eigen::VectorXd& values() const { return values_; }
 

@@ -46,7 +46,7 @@ class Cholesky {
   void drop();
   /// True if the last factorization was L L^T and good.
   bool definite() const;
-  /// Solution with the last good factor.
+  /// Solution with the last good factor; right sides (n x 1), or (n x k) one a column.
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   /// Rough reciprocal condition number of the last factor, from its pivots.
@@ -59,9 +59,9 @@ class Cholesky {
   /// What a factorization costs, in solves: estimated from the analysis, so that it is the same on each machine.
   double factorCostInSolves() const;
   int factorizations() const { return factorizations_; }
-  double secondsAnalysis() const { return seconds_analysis_; }
-  double secondsFactor() const { return seconds_factor_; }
-  double secondsSolve() const { return seconds_solve_; }
+  double secondsAnalysis() const { return seconds_analysis_; }  ///< [s]
+  double secondsFactor() const { return seconds_factor_; }      ///< [s]
+  double secondsSolve() const { return seconds_solve_; }        ///< [s]
 
  private:
   struct Impl;

@@ -70,6 +70,7 @@ struct Sum {
 
   /// Zeros, as far as the order needs them.
   void reset(const HessianLayout& layout, int controls, Order order);
+  /// A term's largest force before terms cancel, and what rounding leaves of it [N].
   void noteForce(double newtons) { force = std::max(force, newtons); }
   void noteRounding(double newtons) { rounding = std::max(rounding, newtons); }
   /// Adds `value` times row row^T to a couple, `row` in the order of its coordinates.

@@ -41,9 +41,9 @@ struct PlantState {
   double centre_position = 0;        ///< [m]
   double centre_speed = 0;           ///< [m/s]
   std::vector<double> rotor_thrust;  ///< [N] each
-  double travel() const { return ring_position - centre_position; }
-  double travelRate() const { return ring_speed - centre_speed; }
-  double thrust() const;
+  double travel() const { return ring_position - centre_position; }  ///< [m]
+  double travelRate() const { return ring_speed - centre_speed; }    ///< [m/s]
+  double thrust() const;                                             ///< of all rotors [N]
 };
 
 class Plant {

@@ -15,6 +15,7 @@ namespace snapwing::statics {
 class Chord {
  public:
   Chord(const solver::Equilibrium& a, const solver::Equilibrium& b);
+  /// @param s  share of the way from a to b [1]
   solver::BranchPlane plane(double s) const;
   solver::Equilibrium guess(double s) const;
   /// d(control)/ds and d(force)/ds of the branch at a linearised point.

@@ -50,14 +50,14 @@ struct GradientRow {
   std::string quantity;
   double derivative = 0;
   std::vector<double> relative_errors;  ///< for steps()
-  double best() const;
+  double best() const;                  ///< the smallest of relative_errors [1]
 };
 struct GradientCheck {
   bool valid = false;
   std::string message;
   std::vector<double> steps;
   std::vector<GradientRow> rows;
-  double worst() const;
+  double worst() const;  ///< the largest best() of all rows [1]
 };
 /// Objective and every constraint at a wavy design near the start. @param share  where in its stage, 0..1
 GradientCheck checkArmGradients(const ArmDesignSettings& settings, double share, int stage = 0);

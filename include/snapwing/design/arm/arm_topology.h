@@ -38,6 +38,7 @@ class ArmTopology : public OptimizationProblem {
   Eigen::VectorXd upper() const override { return Eigen::VectorXd::Ones(count_); }
   Evaluated evaluate(const Eigen::VectorXd& x, bool with_derivatives) override;
   void beginIteration(int k, int total) override;
+  /// Design variables to start from, (variables x 1) [1].
   Eigen::VectorXd start() const { return Eigen::VectorXd::Constant(count_, settings_.start_density); }
   /// What each constraint bounds, e.g. "R(0.010 m) <= 0.97 N, threshold 0.50".
   std::vector<std::string> constraintNames() const;
@@ -48,15 +49,15 @@ class ArmTopology : public OptimizationProblem {
   /// Projected density of a threshold's variant (0 is the nominal one).
   Eigen::VectorXd density(const Eigen::VectorXd& x, int variant = 0) const;
   mpm::DensityField field(const Eigen::VectorXd& x, int variant = 0) const;
-  const std::vector<double>& travels() const { return travels_; }
+  const std::vector<double>& travels() const { return travels_; }  ///< at which equilibria are asked for [m]
   /// Forces of the nominal variant at travels() at the last evaluation [N], volume share, mass of one arm [kg].
   const std::vector<double>& lastForces() const { return last_forces_; }
   double lastVolume() const { return last_volume_; }
   double lastMass() const { return last_mass_; }
-  double lastGrey() const { return last_grey_; }
-  double sharpness() const { return sharpness_; }
-  double volumeBound() const { return volume_bound_; }
-  int freedomCount() const;  ///< free coordinates of one equilibrium
+  double lastGrey() const { return last_grey_; }        ///< as design::greyLevel [1]
+  double sharpness() const { return sharpness_; }       ///< of the projection [1]
+  double volumeBound() const { return volume_bound_; }  ///< share of the domain [1]
+  int freedomCount() const;                             ///< free coordinates of one equilibrium
   /// How often a variant was traced anew from rest, and equilibria solved by Newton iterations, so far.
   int retraces() const;
   long newtonIterations() const;

@@ -20,7 +20,7 @@ class Mechanism {
   ~Mechanism();
 
   const solver::Problem& problem() const { return compiled_->problem(); }
-  int columnCount() const { return static_cast<int>(columns_.size()); }
+  int columnCount() const { return static_cast<int>(columns_.size()); }  ///< design variables: columns of cells along z
   /// Centre of a column in the plane [m].
   std::array<double, 2> centre(int column) const;
   /// Filled area in the plane [m2] and volume [m3] of each column of the whole mechanism.
@@ -28,6 +28,7 @@ class Mechanism {
   const Eigen::VectorXd& volumes() const { return volumes_; }
   /// @param rho  one density per column, in [0, 1]
   void setDensities(const Eigen::VectorXd& rho);
+  /// @param rho  (columns x 1) [1]
   mpm::DensityField field(const Eigen::VectorXd& rho) const;
   /// Values of the densities where the field has them; columns that it lacks keep `fallback`.
   Eigen::VectorXd columnsOf(const mpm::DensityField& field, double fallback) const;

@@ -25,8 +25,8 @@ class OptimizationProblem {
   virtual ~OptimizationProblem() = default;
   virtual int variableCount() const = 0;
   virtual int constraintCount() const = 0;
-  virtual Eigen::VectorXd lower() const = 0;
-  virtual Eigen::VectorXd upper() const = 0;
+  virtual Eigen::VectorXd lower() const = 0;  ///< bound of x, (n x 1)
+  virtual Eigen::VectorXd upper() const = 0;  ///< bound of x, (n x 1)
   /// @param with_derivatives  false: only values are wanted
   virtual Evaluated evaluate(const Eigen::VectorXd& x, bool with_derivatives) = 0;
   /// Told before iteration k = 0, 1 ...: continuation (bounds, sharpness) is set here and nowhere else.

@@ -30,9 +30,9 @@ struct FourBar {
   /// @throws common::Error naming the bar: too short, a number that is not finite, crank_sign neither +1 nor -1, or
   ///   a rest position on a dead point (X1, X2 and B in one line: the assembly mode is then not defined)
   void validate() const;
-  double crankLength() const { return joint1.norm(); }
-  double couplerLength() const { return (joint2 - joint1).norm(); }
-  double rockerLength() const { return (joint2 - auxiliary).norm(); }
+  double crankLength() const { return joint1.norm(); }                 ///< [m]
+  double couplerLength() const { return (joint2 - joint1).norm(); }    ///< [m]
+  double rockerLength() const { return (joint2 - auxiliary).norm(); }  ///< [m]
   /// Which side of the line x1 -> B joint 2 is on at rest: +1 left, -1 right, 0 on it.
   int branch() const;
   /// The same side, for any position: tells whether a solution of another solver is still on this branch.

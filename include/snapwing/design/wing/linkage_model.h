@@ -68,7 +68,7 @@ class LinkageModel {
   /// dL/dX of an L that depends on X only through the state, by one adjoint solve.
   virtual Eigen::Vector4d gradient(const ElasticState& state, const StateSlopes& L) const = 0;
   virtual const FourBar& layout() const = 0;
-  virtual int unknowns() const = 0;
+  virtual int unknowns() const = 0;  ///< coordinates and multipliers of one equilibrium
 
   /// Equilibria at increasing theta, each from the rigid position, or from the one before where bars do not reach.
   std::vector<ElasticState> trace(const std::vector<double>& thetas) const;

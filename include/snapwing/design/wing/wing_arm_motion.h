@@ -23,7 +23,7 @@ class ArmMotion {
   double rotation(double u) const;
   /// d theta / d u [rad/m]
   double slope(double u) const;
-  double largestTravel() const { return travel_.back(); }
+  double largestTravel() const { return travel_.back(); }  ///< [m]
   /// First travel at which theta is reached [m]. @throws common::Error if it never is
   double travelAt(double theta) const;
   const std::string& source() const { return source_; }

@@ -34,9 +34,9 @@ class WingProblem {
   virtual WingEvaluation evaluate(const Eigen::Vector4d& X, bool with_derivatives) const = 0;
   int constraintCount() const;
   const WingSettings& settings() const { return settings_; }
-  FourBar linkage(const Eigen::Vector4d& X) const;
-  Eigen::Vector4d low() const;
-  Eigen::Vector4d high() const;
+  FourBar linkage(const Eigen::Vector4d& X) const;  ///< X = (X1, X2) [m]
+  Eigen::Vector4d low() const;                      ///< bounds of X [m]
+  Eigen::Vector4d high() const;                     ///< [m]
 
  protected:
   WingSettings settings_;

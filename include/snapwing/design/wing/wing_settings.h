@@ -94,7 +94,7 @@ struct WingSettings {
   WingStackSettings stack;
   std::optional<ArmMotion> motion;  ///< always set by loadWingSettings
 
-  Eigen::Vector2d tipAtRest() const;
+  Eigen::Vector2d tipAtRest() const;  ///< [m] in the linkage frame
   /// Where the tip should be in state i = 0, 1. [m]
   Eigen::Vector2d tipTarget(int i) const;
   /// Wing rotation wanted in state i, counter-clockwise positive. [rad]
