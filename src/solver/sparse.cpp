@@ -238,10 +238,6 @@ Eigen::MatrixXd Cholesky::solvePermuted(const Eigen::MatrixXd& right) const {
   return result;
 }
 
-double Cholesky::reciprocalCondition() const {
-  return impl_->active == nullptr ? 0.0 : cholmod_rcond(impl_->active, &impl_->common);
-}
-
 double Cholesky::factorCostInSolves() const {
   // Fitted to planar and volumetric arms of 2 to 77 thousand unknowns: small fronts run at memory's speed.
   return 6 + impl_->common.fl / (52 * std::max(impl_->common.lnz, 1.0));

@@ -53,21 +53,4 @@ double thrustFraction(double quadratic_share, const Radio& radio, double throttl
   return thrustFraction(quadratic_share, motorOutput(radio, throttle));
 }
 
-double throttleForThrust(const Vehicle& vehicle, double fraction) {
-  const double q = vehicle.rotors.quadratic_share.value;
-  const Radio& radio = vehicle.radio;
-  const double idle = thrustFraction(q, radio, 0);
-  if (!(fraction >= idle && fraction <= 1.0)) {
-    throw common::Error("thrust fraction is " + std::to_string(fraction) + "; allowed: " + std::to_string(idle) +
-                        " (motors idle) .. 1");
-  }
-  // q s^2 + (1-q) s = fraction, in the form that has no cancellation and needs no special case for q = 0.
-  const double linear = 1.0 - q;
-  const double s = 2.0 * fraction / (linear + std::sqrt(linear * linear + 4.0 * q * fraction));
-  const double microseconds = common::MOTOR_OFF + s * (radio.motor_full - common::MOTOR_OFF);
-  const double above = (microseconds - radio.motor_idle) / (radio.motor_full - radio.motor_idle);
-  const double stick = radio.min_check + above * (radio.throttle_high - radio.min_check);
-  return common::throttleFromMicroseconds(throttleScale(radio), stick);
-}
-
 }  // namespace snapwing::vehicle

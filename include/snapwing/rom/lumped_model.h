@@ -47,12 +47,6 @@ struct LumpedSettings {
   void validate() const;
 };
 
-/// Full thrust share wanted at the motors from `time` on. Rectangular pulses are three of these.
-struct ThrustDemand {
-  double time = 0;      ///< [s]
-  double fraction = 0;  ///< [1] steady thrust / full thrust
-};
-
 /// Wings act in this trial: where they are and not left out, but not on a boom unless the trial says so.
 /// @throws common::Error if the trial asks for wings and there are none
 bool wingsAct(const vehicle::Trial& trial, bool has_wings);

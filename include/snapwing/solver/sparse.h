@@ -49,8 +49,6 @@ class Cholesky {
   /// Solution with the last good factor; right sides (n x 1), or (n x k) one a column.
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
-  /// Rough reciprocal condition number of the last factor, from its pivots.
-  double reciprocalCondition() const;
   double factorEntries() const;  ///< nnz(L) of the analysis
   /// How far a matrix A is from the one that was factorized, F: the largest |eigenvalue| of F^-1 (A - F), by two steps
   /// of the power method from a soft motion without symmetry. Infinite without a Cholesky factor. Well below 1, both

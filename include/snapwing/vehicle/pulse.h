@@ -44,8 +44,4 @@ double thrustFraction(double quadratic_share, double motor_output);
 /// The same for a stick throttle [0,1] while armed: 0 is what idle motors give.
 double thrustFraction(double quadratic_share, const Radio& radio, double throttle);
 
-/// Throttle whose steady thrust is `fraction` of the full thrust. @param fraction within [idle's, 1]
-/// @throws Error if outside
-double throttleForThrust(const Vehicle& vehicle, double fraction);
-
 }  // namespace snapwing::vehicle
