@@ -257,7 +257,7 @@ class LinkStatistics:
         self.restarts = 0               # the frame counter fell: the bridge was started anew
 
 
-# Facts: gaps must stay under 100 ms, or the flight controller reports a lost signal.
+# docs/references.md: gaps must stay under 100 ms, or the flight controller reports a lost signal.
 LATE_SECONDS = 0.1
 
 

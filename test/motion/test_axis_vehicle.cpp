@@ -99,7 +99,7 @@ TEST(AxisVehicle, SwitchesBothWaysOnTheBoomAndTheAccountCloses) {
   EXPECT_TRUE(std::isnan(stays.outcome.snap_time));
 }
 
-/// Twice as fine in time changes the snap by a tenth of a millisecond at most: facts/motion.md, midpoint 2 ms .02 ms.
+/// Twice as fine in time changes the snap by a tenth of a millisecond at most: docs/references.md says .02 ms.
 TEST(AxisVehicle, TheSnapIsConvergedInTime) {
   const Shipped s;
   const vehicle::Trial boom = trialOn(vehicle::Mount::BOOM);
@@ -143,7 +143,7 @@ TEST(AxisVehicle, LevelsFollowThePulse) {
 }
 
 /// The exact lagged tangent feeds the falling branch, the other laws never do. Peaks differ by millimetres
-/// (facts/motion.md: 2 to 4 mm), though all have the same loss in Q.
+/// (docs/references.md: 2 to 4 mm), though all have the same loss in Q.
 TEST(AxisVehicle, DampingLawsDifferDuringTheSnap) {
   const Shipped s;
   const vehicle::Trial boom = trialOn(vehicle::Mount::BOOM);

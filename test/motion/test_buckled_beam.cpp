@@ -1,5 +1,5 @@
 // A clamped beam that has buckled, ringing about its second state: frequencies in closed form (Nayfeh, Kreider and
-// Anderson, AIAA J. 1995; facts, B7).
+// Anderson, AIAA J. 1995; docs/references.md).
 #include <gtest/gtest.h>
 
 #include <cmath>

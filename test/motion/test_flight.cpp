@@ -139,7 +139,7 @@ class Rod : public solver::Term {
 };
 
 /// Two masses on a stiff rod: in the stiff limit a step loses the share 1 - cos(t1), sin(t1) = 2 sin(t/2) cos(t/2 +
-/// t1), t = w h (facts: dynamics_references.md, B12: .98768 % a step at t = .1, .24922 % at .05).
+/// t1), t = w h (docs/references.md: .98768 % a step at t = .1, .24922 % at .05).
 TEST(FreeFlight, BackwardEulerLosesTheSpinOfTheClosedForm) {
   const double mass = 1, length = 1;
   for (const auto& [t, loss] : {std::pair{0.1, 0.0098768}, std::pair{0.05, 0.0024922}}) {

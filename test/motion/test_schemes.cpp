@@ -38,7 +38,7 @@ double amplification(const Scheme& scheme, double w, double zeta, double h) {
   return map.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-/// facts: 1/sqrt(1 + 2 zeta w h + (w h)^2) a step, zeta = gamma w / 2 (reference_numbers.md section 1, B6).
+/// 1/sqrt(1 + 2 zeta w h + (w h)^2) a step, zeta = gamma w / 2 (docs/references.md).
 TEST(BackwardEuler, DampsOneModeAsInClosedForm) {
   const double w = 7.0;
   for (const auto& [zeta, wh, decrement] : {std::tuple{0.0, 0.1, 0.313638}, std::tuple{0.0, 0.05, 0.157014},
@@ -96,7 +96,7 @@ double energyAfter(const Scheme& scheme, double from, double force, double durat
   return account.kinetic + account.stored;
 }
 
-/// Thresholds of rectangular pulses, facts: reference_numbers.md section 5. Within 1 %.
+/// Thresholds of rectangular pulses, docs/references.md. Within 1 %.
 TEST(Schemes, FindTheThresholdPulsesOfTheQuartic) {
   constexpr double STATIC_LIMIT = 0.384900;
   for (const Scheme& scheme : {Scheme(SchemeKind::MIDPOINT), Scheme(SchemeKind::AVERAGE_FORCE, 2)}) {

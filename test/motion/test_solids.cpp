@@ -50,7 +50,7 @@ scene::Scene csmBeam() {
   return scene;
 }
 
-/// facts (dynamics_references.md, B2): ux -7.161, uy -66.110 mm at rest.
+/// docs/references.md: ux -7.161, uy -66.110 mm at rest.
 TEST(Solids, BeamOfCsm1HangsAsTheReferenceSays) {
   const auto compiled = scene::compileScene(csmBeam(), 1);
   Stepper stepper(test::inTime(*compiled), Scheme(SchemeKind::BACKWARD_EULER), test::equalSteps(1));
@@ -60,8 +60,8 @@ TEST(Solids, BeamOfCsm1HangsAsTheReferenceSays) {
   EXPECT_NEAR(monitorAt(*compiled, 0, state.y), -0.007161, 0.003 * 0.007161);
 }
 
-/// Released from rest under gravity, undamped. facts (B4): first minimum of uy(A) -129.65 +- .1 mm at .4583 +- .0005 s,
-/// ux -29.18 +- .05 mm.
+/// Released from rest under gravity, undamped. docs/references.md: first minimum of uy(A) -129.65 +- .1 mm at .4583 +-
+/// .0005 s, ux -29.18 +- .05 mm.
 TEST(Solids, ReleasedBeamOfCsm3SwingsAsTheReferenceSays) {
   const auto compiled = scene::compileScene(csmBeam(), 1);
   constexpr double H = 0.005;
@@ -118,7 +118,7 @@ TEST(Solids, DeepBeamUnderAStepLoadPeaksAsNafems5T) {
 }
 
 /// u1 = A sin(2 pi X) sin(c pi t), u2 = A sin(2 pi Y) sin(c pi t + pi) on the unit square solves our law with these
-/// body forces per mass (Wallstedt and Guilkey 2008; facts, B5).
+/// body forces per mass (Wallstedt and Guilkey 2008).
 struct Manufactured {
   double amplitude = 0.02, mu = 1e4 / 2.6, lambda = 1e4 * 0.3 / (1.3 * 0.4), density = 1000;
   double c() const { return std::sqrt(1e4 / density); }
@@ -297,8 +297,8 @@ bool snapsUnder(const Arch& arch, double p, double rise) {
   return false;
 }
 
-/// Least step load that snaps, in units of p: exact in one mode for e <= 4 (facts, B8). 1 % below stays, 1 % above
-/// snaps. The solid is a little stiffer or softer than the beam (cut cells, shear, t/L = .02): judged against the
+/// Least step load that snaps, in units of p: exact in one mode for e <= 4 (docs/references.md). 1 % below stays, 1 %
+/// above snaps. The solid is a little stiffer or softer than the beam (cut cells, shear, t/L = .02): judged against the
 /// static limit of the same solid, whose ratio to the step limit is exact too.
 TEST(Solids, ShallowArchSnapsUnderAStepLoadAtItsDynamicLimit) {
   for (const auto& [e, exact] : {std::pair{2.5, 2.25}, std::pair{4.0, 6.208251}}) {

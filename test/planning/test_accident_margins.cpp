@@ -23,8 +23,8 @@ const AccidentMargin& find(const std::vector<AccidentMargin>& list, const std::s
 TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto list = accidentMargins(vehicle, snapwing::testing::exampleTable());
-  // facts/physics.md: F survives 8.0 N of sudden thrust (hover needs 7.68), holds 3.9 of 4 N, inverted Q does not hold.
-  // Its masses and damping are its own.
+  // The feasibility study: F survives 8.0 N of sudden thrust (hover needs 7.68), holds 3.9 of 4 N, inverted Q does not
+  // hold. Its masses and damping are its own.
   const AccidentMargin& thrust = find(list, "sudden thrust in F");
   EXPECT_NEAR(thrust.limit, 8.0, 0.8);
   EXPECT_NEAR(thrust.occurs, 7.68, 0.01);

@@ -23,7 +23,8 @@ std::vector<double> steps(double to, int count) {
   return targets;
 }
 
-/// Slender clamped beam of facts: h/t = 6, h/l = .02, one material of nu = 0, so that the exact elastica holds.
+/// Slender clamped beam of docs/references.md: h/t = 6, h/l = .02, one material of nu = 0, so that the exact elastica
+/// holds.
 struct SlenderBeam {
   static constexpr double RISE = 1.6e-3, SPAN = 80e-3, THICKNESS = RISE / 6;
   /// Unit of force EI h/l^3 [N]

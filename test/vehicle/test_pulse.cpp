@@ -19,7 +19,7 @@ Radio radio() {
 }
 
 TEST(Pulse, ScalesAsMeasuredOnTheFlightController) {
-  // facts/rc_link.md: microseconds of the stick -> of the motors, read off as whole numbers.
+  // docs/references.md: microseconds of the stick -> of the motors, read off as whole numbers.
   const double table[][2] = {{1100, 1118}, {1300, 1314}, {1500, 1509}, {1700, 1706}, {2000, 1999}};
   for (const auto& row : table) {
     const double s = motorOutput(radio(), (row[0] - 1000.0) / 1000.0);

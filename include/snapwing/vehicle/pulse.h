@@ -33,7 +33,7 @@ common::ThrottleScale throttleScaleOf(const std::string& vehicle_file);
 double throttleMicroseconds(const Radio& radio, double throttle);
 
 /// Stick throttle [0,1] -> motor output s in [0,1], as the flight controller scales it while armed: idle below
-/// min_check, linear above (facts: 1100/1300/1500/1700/2000 us -> 1118/1314/1509/1706/1999).
+/// min_check, linear above (docs/references.md: 1100/1300/1500/1700/2000 us -> 1118/1314/1509/1706/1999).
 double motorOutput(const Radio& radio, double throttle);
 
 /// Motor output in microseconds, as the flight controller reports it -> s in [0,1]: MOTOR_OFF is 0, motor_full 1.
