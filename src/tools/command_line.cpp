@@ -24,8 +24,7 @@ int run(int argc, char** argv, AddCommands* add) {
   CLI::App app{"snapwing: design, predict and plan mode switches of shape-changing drones"};
   app.set_version_flag("--version", common::version());
   app.require_subcommand(1);
-  app.footer(
-      "Exit code: 0 good, 1 a negative answer (refused, not converged), 2 bad input, 3 internal error.");
+  app.footer("Exit code: 0 good, 1 a negative answer (refused, not converged), 2 bad input, 3 internal error.");
   int exit_code = 0;
   add(app, exit_code);
   try {
