@@ -1,16 +1,19 @@
 // The shipped vehicle on the boom, wings off, nominal: the shortest pulses that switch, by one soft arm in time, over
-// cells and steps, beside the lumped model on the static curve of the same cells,
-// and on the vehicle's shipped table. Makes docs/motion_thresholds.csv.
-// usage: bench_motion [cell size in mm]... [step=MS] [volumetric] [damping=LAW]
+// cells and steps, beside the lumped model on the static curve of the same cells, and on the vehicle's shipped table.
+// Makes docs/motion_thresholds.csv.
+// usage: bench_motion [cell size in mm]... [step=MS] [volumetric] [kernel=NAME] [damping=LAW] [resolution=MS] [F] [Q]
+// Each size begins where the one before ended; F, Q: of that start mode alone.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
-#include "snapwing/motion/axis_trial.h"
-#include "snapwing/rom/lumped_model.h"
-#include "snapwing/solver/sparse.h"
+#include "snapwing/elasticity/density_interpolation.h"
+#include "snapwing/scene/rung.h"
+#include "snapwing/validation/rung_trial.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "support/paths.h"
 
@@ -18,11 +21,6 @@ using namespace snapwing;
 using vehicle::Mode;
 
 namespace {
-
-struct Case {
-  Mode start;
-  double fraction;
-};
 
 vehicle::Trial boomFromRest() {
   vehicle::Trial trial;
@@ -32,82 +30,103 @@ vehicle::Trial boomFromRest() {
   return trial;
 }
 
-/// The shortest pulse of all that switch, to .02 ms. @param switches  asked of pulses [s]
-template <class Switches>
-double threshold(double low, double high, const Switches& switches) {
-  while (high - low > 2e-5) {
-    const double middle = 0.5 * (low + high);
-    (switches(middle) ? high : low) = middle;
+struct Asked {
+  validation::RungTrial trial;
+  std::vector<double> cells;  // [m]
+  std::vector<std::pair<Mode, double>> cases;
+};
+
+Asked readOptions(int argc, char** argv) {
+  Asked out;
+  out.trial.rung = motion::TrialRung::PLANAR;
+  out.trial.trial = boomFromRest();
+  out.trial.resolution = 2e-5;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    const auto value = [&](const char* key) {
+      const std::string head = std::string(key) + "=";
+      return word.rfind(head, 0) == 0 ? word.substr(head.size()) : std::string();
+    };
+    if (word == "volumetric") {
+      out.trial.rung = motion::TrialRung::VOLUMETRIC;
+    } else if (word == "F") {
+      out.cases.emplace_back(Mode::FIXED_WING, 0.5);
+    } else if (word == "Q") {
+      out.cases.emplace_back(Mode::QUADROTOR, 1.0);
+    } else if (!value("step").empty()) {
+      out.trial.step = 1e-3 * std::atof(value("step").c_str());
+    } else if (!value("resolution").empty()) {
+      out.trial.resolution = 1e-3 * std::atof(value("resolution").c_str());
+    } else if (!value("kernel").empty()) {
+      out.trial.kernel = scene::kernelFromName(value("kernel"));
+    } else if (!value("damping").empty()) {
+      out.trial.damping = motion::dampingFromName(value("damping"));
+    } else {
+      out.cells.push_back(1e-3 * std::atof(word.c_str()));
+    }
   }
-  return high;
+  if (out.cases.empty()) out.cases = {{Mode::FIXED_WING, 0.5}, {Mode::QUADROTOR, 1.0}};
+  return out;
+}
+
+/// The arm of these cells as the runner has it, as a table.
+vehicle::ForceTable curveOf(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
+                            const validation::RungTrial& trial) {
+  motion::AxisSettings axis;
+  axis.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
+  axis.cell_size = trial.cell_size;
+  axis.kernel = trial.kernel;
+  if (axis.dimension == 2) axis.coarsening_power = elasticity::DensityInterpolation().power;
+  return motion::AxisVehicle(vehicle, vehicle::realise(vehicle, table), trial.trial, axis).staticTable();
+}
+
+void print(const validation::RungTrial& t, double shipped, double lumped, const validation::RungOutcome& found,
+           const validation::RungOutcome& expected, const validation::RungOutcome& longer) {
+  const bool planar = t.rung == motion::TrialRung::PLANAR;
+  std::printf("%s,%s,%.2f,%.2f,%s,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.3f,%.3f,%.0f\n",
+              planar ? "planar" : "volumetric", scene::kernelName(t.kernel).c_str(), 1e3 * t.cell_size, 1e3 * t.step,
+              motion::dampingName(t.damping).c_str(), vehicle::modeName(t.start).c_str(), 1e3 * t.resolution,
+              1e3 * shipped, 1e3 * lumped, 1e3 * found.threshold, 1e3 * t.pulse.duration, 1e3 * expected.snap_time,
+              1e3 * longer.snap_time, 1e3 * expected.peak_travel, 1e3 * longer.peak_travel,
+              found.cpu_seconds + longer.cpu_seconds);
+  std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  motion::AxisSettings axis;
-  motion::StepperSettings steps;
-  steps.largest_step = 2e-3;
-  steps.relative_tolerance = 1e-6;
-  std::vector<double> cells;
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = argv[k];
-    if (word == "volumetric") {
-      axis.dimension = 3;
-      steps.keep_factor = true;
-    } else if (word.rfind("step=", 0) == 0) {
-      steps.largest_step = 1e-3 * std::atof(word.c_str() + 5);
-    } else if (word.rfind("damping=", 0) == 0) {
-      axis.damping = motion::dampingFromName(word.substr(8));
-    } else {
-      cells.push_back(1e-3 * std::atof(argv[k]));
-    }
-  }
+  Asked asked = readOptions(argc, argv);
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
-  const vehicle::VehicleParameters parameters = vehicle::realise(vehicle, table);
-  const vehicle::Trial trial = boomFromRest();
-  const rom::LumpedModel lumped = rom::LumpedModel::fromVehicle(vehicle, table, parameters);
-  const double idle = lumped.idleFraction();
+  const std::optional<vehicle::WingTable> no_wing;
+  const validation::RungRunner runner(vehicle, table, no_wing);
+  std::map<Mode, double> near;
   std::printf(
-      "rung,cell_mm,step_ms,damping,start,thrust,threshold_shipped_table_ms,threshold_lumped_ms,threshold_ms,pulse_ms,"
-      "snap_lumped_ms,snap_ms,"
-      "peak_lumped_mm,peak_mm,trials,seconds\n");
-  for (const double cell : cells) {
-    const double begin = solver::secondsNow();
-    axis.cell_size = cell;
-    const motion::AxisVehicle soft(vehicle, parameters, trial, axis);
-    const rom::LumpedModel own = rom::LumpedModel::fromVehicle(vehicle, soft.staticTable(), parameters);
-    for (const Case& c : {Case{Mode::FIXED_WING, 0.5}, Case{Mode::QUADROTOR, 1.0}}) {
-      const auto lumpedThreshold = [&](const rom::LumpedModel& model) {
-        const auto snaps = [&](double d) { return model.predict(c.start, c.fraction, d, trial).snapped; };
-        double first = 0.005;
-        while (!snaps(first) && first < 1.5) first += 0.005;
-        return threshold(first - 0.005, first, snaps);
-      };
-      const double shipped = lumpedThreshold(lumped), expected = lumpedThreshold(own);
-      int trials = 0;
-      const auto inTime = [&](double duration) {
-        motion::Stepper stepper(soft.problem(), motion::Scheme(motion::SchemeKind::MIDPOINT), steps);
-        motion::AxisRun run;
-        motion::runTrial(soft, stepper, motion::AxisTrial::of(c.start, c.fraction, duration, parameters, idle, trial),
-                         run);
-        ++trials;
-        return run.outcome;
-      };
-      double low = expected - 0.004, high = expected + 0.004;
-      while (inTime(low).snapped) low -= 0.004;
-      while (!inTime(high).snapped) high += 0.004;
-      const double found = threshold(low, high, [&](double d) { return inTime(d).snapped; });
-      const double pulse = expected + 0.02;
-      const rom::SnapPrediction a = own.predict(c.start, c.fraction, pulse, trial);
-      const motion::AxisOutcome b = inTime(pulse);
-      std::printf("%s,%.2f,%.2f,%s,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.3f,%.3f,%d,%.0f\n",
-                  axis.dimension == 2 ? "planar" : "volumetric", 1e3 * cell, 1e3 * steps.largest_step,
-                  motion::dampingName(axis.damping).c_str(), vehicle::modeName(c.start).c_str(), c.fraction,
-                  1e3 * shipped, 1e3 * expected, 1e3 * found, 1e3 * pulse, 1e3 * a.snap_time, 1e3 * b.snap_time,
-                  1e3 * a.peak_travel, 1e3 * b.peak_travel, trials, solver::secondsNow() - begin);
-      std::fflush(stdout);
+      "rung,kernel,cell_mm,step_ms,damping,start,resolution_ms,threshold_shipped_table_ms,threshold_lumped_ms,"
+      "threshold_ms,pulse_ms,snap_lumped_ms,snap_ms,peak_lumped_mm,peak_mm,cpu_seconds\n");
+  for (const double cell : asked.cells) {
+    validation::RungTrial trial = asked.trial;
+    trial.cell_size = cell;
+    const vehicle::ForceTable own = curveOf(vehicle, table, trial);
+    for (const auto& [start, fraction] : asked.cases) {
+      trial.start = start;
+      trial.pulse.throttle = vehicle::throttleForThrust(vehicle, fraction);
+      validation::RungTrial lumped = trial;
+      lumped.rung = motion::TrialRung::LUMPED;
+      lumped.resolution = 2e-5;
+      const double shipped = runner.shortest(lumped).threshold;
+      lumped.curve = &own;
+      const double expected = runner.shortest(lumped).threshold;
+      trial.near = near.count(start) != 0 ? near[start] : expected;
+      const validation::RungOutcome found = runner.shortest(trial);
+      if (!found.failure.empty()) {
+        std::fprintf(stderr, "%.2f mm, from %s: %s\n", 1e3 * cell, vehicle::modeName(start).c_str(),
+                     found.failure.c_str());
+        continue;
+      }
+      near[start] = found.threshold;
+      trial.pulse.duration = lumped.pulse.duration = std::round(1e3 * expected + 20) / 1e3;
+      print(trial, shipped, expected, found, runner.run(lumped), runner.run(trial));
     }
   }
   return 0;

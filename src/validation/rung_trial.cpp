@@ -10,7 +10,6 @@
 #include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/rom/loaded_basins.h"
-#include "snapwing/rom/lumped_model.h"
 
 namespace snapwing::validation {
 
@@ -36,8 +35,8 @@ void thin(std::vector<double>& values) {
 
 /// Shortest of the pulses that switch, in [low, high]. @param switches  asked of a length [s]
 template <class Switches>
-double bisect(double low, double high, const Switches& switches) {
-  while (high - low > 1e-4) {
+double bisect(double low, double high, double resolution, const Switches& switches) {
+  while (high - low > resolution) {
     const double middle = 0.5 * (low + high);
     (switches(middle) ? high : low) = middle;
   }
@@ -45,7 +44,7 @@ double bisect(double low, double high, const Switches& switches) {
 }
 
 template <class Switches>
-double shortestNear(double near, const double first, const Switches& switches) {
+double shortestNear(double near, const double first, double resolution, const Switches& switches) {
   constexpr double FARTHEST = 0.060;
   double away = first, low = std::max(0.0, near - away), high = near + away;
   while (low > 0 && switches(low)) {
@@ -56,7 +55,7 @@ double shortestNear(double near, const double first, const Switches& switches) {
     low = high, away *= 2, high = near + away;
     if (away > FARTHEST) return std::nan("");
   }
-  return bisect(low, high, switches);
+  return bisect(low, high, resolution, switches);
 }
 
 }  // namespace
@@ -77,12 +76,18 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   settings.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   settings.cell_size = trial.cell_size;
   settings.kernel = trial.kernel;
+  settings.damping = trial.damping;
   settings.coarsening_power = elasticity::DensityInterpolation().power;
   return settings;
 }
 
+rom::LumpedModel RungRunner::lumpedOf(const RungTrial& trial) const {
+  const vehicle::ForceTable& curve = trial.curve != nullptr ? *trial.curve : table_;
+  return rom::LumpedModel::fromVehicle(vehicle_, curve, parametersOf(trial), {}, wing_);
+}
+
 RungOutcome RungRunner::runLumped(const RungTrial& trial) const {
-  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  const rom::LumpedModel model = lumpedOf(trial);
   RungOutcome out;
   const rom::SnapPrediction p =
       model.predict(trial.start, trial.pulse, vehicle_.radio, trial.trial, [&](const rom::LumpedState& s) {
@@ -142,7 +147,7 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
 
 double RungRunner::shortestLumped(const RungTrial& trial) const {
   constexpr double GRID = 0.005, LONGEST = 1.5;
-  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  const rom::LumpedModel model = lumpedOf(trial);
   vehicle::Pulse asked = trial.pulse;
   const auto snaps = [&](double d) {
     asked.duration = d;
@@ -153,7 +158,7 @@ double RungRunner::shortestLumped(const RungTrial& trial) const {
     first += GRID;
     if (first > LONGEST) throw common::Error("no pulse up to 1.5 s switches");
   }
-  return bisect(first - GRID, first, snaps);
+  return bisect(first - GRID, first, trial.resolution, snaps);
 }
 
 double RungRunner::shortestSolid(const RungTrial& trial) const {
@@ -161,7 +166,7 @@ double RungRunner::shortestSolid(const RungTrial& trial) const {
   const double near = told ? trial.near : shortestLumped(trial);
   const motion::AxisVehicle solid = solidOf(trial);
   RungTrial asked = trial;
-  const double found = shortestNear(near, told ? 0.001 : 0.003, [&](double d) {
+  const double found = shortestNear(near, told ? 0.001 : 0.003, trial.resolution, [&](double d) {
     asked.pulse.duration = d;
     return runSolid(asked, solid).snapped;
   });

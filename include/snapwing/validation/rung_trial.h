@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "snapwing/motion/trial_file.h"
+#include "snapwing/rom/lumped_model.h"
 #include "snapwing/vehicle/pulse.h"
 #include "snapwing/vehicle/vehicle.h"
 #include "snapwing/vehicle/wing_table.h"
@@ -25,6 +26,10 @@ struct RungTrial {
   double step = 2e-3;       ///< [s] of the solid; half and a quarter of it where the scheme's account does not close
   /// [s] where a search for the shortest pulse of a solid begins; NaN: at the lumped one
   double near = std::numeric_limits<double>::quiet_NaN();
+  double resolution = 1e-4;  ///< [s] of the shortest pulse
+  motion::DampingLaw damping = motion::DampingLaw::TRAVEL;  ///< of the solid
+  /// Static curve of the lumped rung in place of the vehicle's table, whose parameters stay: that of a solid.
+  const vehicle::ForceTable* curve = nullptr;
 };
 
 struct RungOutcome {
@@ -52,7 +57,7 @@ class RungRunner {
 
   /// What happens; an error of the solver or of the model is the outcome's `failure`.
   RungOutcome run(const RungTrial& trial) const;
-  /// The shortest pulse that switches, to .1 ms: `threshold` of the outcome. On solids the search begins at `near`, and
+  /// The shortest pulse that switches, to `resolution`: `threshold` of the outcome. On solids the search begins at `near`, and
   /// fails if there is none within 60 ms of it.
   RungOutcome shortest(const RungTrial& trial) const;
   /// The heaviest centre that the start mode carries with the ring held and the motors still, to .01 N of weight:
@@ -61,6 +66,7 @@ class RungRunner {
 
  private:
   RungOutcome runLumped(const RungTrial& trial) const;
+  rom::LumpedModel lumpedOf(const RungTrial& trial) const;
   motion::AxisVehicle solidOf(const RungTrial& trial) const;
   double shortestLumped(const RungTrial& trial) const;
   double shortestSolid(const RungTrial& trial) const;
