@@ -2,12 +2,10 @@
 // cells and steps, beside the lumped model on the static curve of the same cells, and on the vehicle's shipped table.
 // Makes docs/motion_thresholds.csv.
 // usage: bench_motion [cell size in mm]... [step=MS] [volumetric] [kernel=NAME] [damping=LAW] [resolution=MS] [F] [Q]
-// Each size begins where the one before ended; F, Q: of that start mode alone.
+// The search begins at the lumped model's shortest pulse on the same curve; F, Q: of that start mode alone.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -100,7 +98,6 @@ int main(int argc, char** argv) {
   const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
   const std::optional<vehicle::WingTable> no_wing;
   const validation::RungRunner runner(vehicle, table, no_wing);
-  std::map<Mode, double> near;
   std::printf(
       "rung,kernel,cell_mm,step_ms,damping,start,resolution_ms,threshold_shipped_table_ms,threshold_lumped_ms,"
       "threshold_ms,pulse_ms,snap_lumped_ms,snap_ms,peak_lumped_mm,peak_mm,cpu_seconds\n");
@@ -117,14 +114,13 @@ int main(int argc, char** argv) {
       const double shipped = runner.shortest(lumped).threshold;
       lumped.curve = &own;
       const double expected = runner.shortest(lumped).threshold;
-      trial.near = near.count(start) != 0 ? near[start] : expected;
+      trial.near = expected;
       const validation::RungOutcome found = runner.shortest(trial);
       if (!found.failure.empty()) {
         std::fprintf(stderr, "%.2f mm, from %s: %s\n", 1e3 * cell, vehicle::modeName(start).c_str(),
                      found.failure.c_str());
         continue;
       }
-      near[start] = found.threshold;
       trial.pulse.duration = lumped.pulse.duration = std::round(1e3 * expected + 20) / 1e3;
       print(trial, shipped, expected, found, runner.run(lumped), runner.run(trial));
     }

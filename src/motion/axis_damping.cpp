@@ -84,15 +84,15 @@ double AxisVehicle::lossOf(const Term& term) const {
   step.h = 1;
   step.y0 = place(0);
   step.v0 = Eigen::VectorXd::Zero(centre_ + 1);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(1), moved = place(SMALL);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(controlCount()), moved = place(SMALL);
   const auto kept = term.keep({step.y0, none, nullptr, settings_.threads});
   solver::Sum sum;
-  sum.reset(layout(), 1, solver::Order::ENERGY);
+  sum.reset(layout(), controlCount(), solver::Order::ENERGY);
   term.evaluate({moved, none, &step, settings_.threads, kept.get()}, solver::Order::ENERGY, sum);
   return 2 * sum.energy / (SMALL * SMALL);
 }
 
-std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
+std::shared_ptr<const Term> AxisVehicle::damping(double c) {
   if (settings_.damping == DampingLaw::TRAVEL) {
     return std::make_shared<solver::RowDamper>("damping of the travel", travelRow(), share_ * c);
   }
@@ -101,7 +101,8 @@ std::shared_ptr<const Term> AxisVehicle::damping(double c) const {
     throw common::Error("damping is " + dampingName(settings_.damping) +
                         ": the material's law has no loss in Q at these cells; allowed: travel");
   }
-  return materialDamping(settings_.damping, share_ * c / unit);
+  material_time_ = share_ * c / unit;
+  return materialDamping(settings_.damping, material_time_);
 }
 
 }  // namespace snapwing::motion

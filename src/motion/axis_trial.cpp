@@ -7,7 +7,6 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
-#include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/rotor_lag.h"
 
 namespace snapwing::motion {
@@ -115,30 +114,15 @@ ThrustHistory historyOf(const AxisTrial& trial, const std::vector<double>& chang
 /// A run and what it is judged by.
 class Watch {
  public:
-  Watch(const AxisVehicle& vehicle, const Stepper& stepper, const AxisTrial& trial, const ThrustHistory& thrust)
+  Watch(const TrialVehicle& vehicle, const Stepper& stepper, const AxisTrial& trial, const ThrustHistory& thrust)
       : vehicle_(vehicle), stepper_(stepper), trial_(trial), thrust_(thrust) {
-    const vehicle::CurveFeatures features = vehicle::curveFeatures(vehicle.curve().table());
     last_change_ = trial.changes().back();
-    barrier_ = std::min(features.barrier_forward, features.barrier_back) / vehicle.shareOfVehicle();
+    barrier_ = vehicle.lowerBarrier();
   }
 
   AxisSample sample(const MotionState& s) const {
-    AxisSample out;
-    out.time = s.time;
-    out.ring_position = vehicle_.ringPosition(s);
-    out.ring_speed = vehicle_.ringSpeed(s);
-    out.centre_speed = vehicle_.centreSpeed(s);
-    out.travel = vehicle_.travel(s);
-    out.travel_rate = vehicle_.travelRate(s);
-    out.arm_rotation = vehicle_.armRotation(s);
-    if (vehicle_.linkage() != nullptr) {
-      out.wing_left = vehicle_.wingAngle(s, true), out.wing_right = vehicle_.wingAngle(s, false);
-      out.hub_twist = vehicle_.hubTwist(s);
-    }
+    AxisSample out = vehicle_.sample(s);
     out.thrust = thrust_.at(s.time);
-    const double whole = 1 / vehicle_.shareOfVehicle();
-    out.kinetic = whole * s.kinetic;
-    out.stored = whole * s.stored;
     return out;
   }
 
@@ -206,7 +190,7 @@ class Watch {
   }
 
  private:
-  const AxisVehicle& vehicle_;
+  const TrialVehicle& vehicle_;
   const Stepper& stepper_;
   const AxisTrial& trial_;
   const ThrustHistory& thrust_;
@@ -214,7 +198,7 @@ class Watch {
   double barrier_ = 0;      ///< [J] the lower one; NaN of an arm that is not bistable
 };
 
-void begin(const AxisVehicle& vehicle, const AxisTrial& trial, const Watch& watch, AxisRun& run) {
+void begin(const TrialVehicle& vehicle, const AxisTrial& trial, const Watch& watch, AxisRun& run) {
   run = AxisRun{};
   run.begun = true;
   run.outcome.start_mode = trial.start;
@@ -226,7 +210,7 @@ void begin(const AxisVehicle& vehicle, const AxisTrial& trial, const Watch& watc
 
 }  // namespace
 
-bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
+bool runTrial(const TrialVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
               const AxisRunHooks& hooks) {
   const std::vector<double> changes = trial.changes();
   const double last = changes.back() + trial.horizon;
@@ -234,7 +218,7 @@ bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& tri
   const Watch watch(vehicle, stepper, trial, thrust);
   if (!run.begun) begin(vehicle, trial, watch, run);
   const ControlOf control = [&](double from, double h) {
-    return Eigen::VectorXd::Constant(1, thrust.mean(from, from + h));
+    return vehicle.controls(from, h, thrust.mean(from, from + h));
   };
   stepper.restart();
   while (run.state.time < last) {

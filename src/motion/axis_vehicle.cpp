@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/motion/arm_bodies.h"
 #include "snapwing/solver/load_term.h"
 #include "snapwing/solver/row_terms.h"
 
@@ -20,47 +20,6 @@ namespace {
 
 constexpr double FRICTION_SPEED = 0.02;  // [m/s] as in the lumped model
 constexpr double CURVE_STEP = 0.002;     // [m]
-
-/// One body for each group of arms that move alike, all driven by the one travel.
-/// @param series  of the material; @param shares  how many times the first group's arm each of them is, in forces and
-/// masses
-scene::Scene armsOf(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings,
-                    const elasticity::PronySeries& series, const std::vector<double>& shares) {
-  const vehicle::ArmSettings& arm = vehicle.arm;
-  mpm::DensityField field = mpm::loadDensityCsv(arm.density_file, arm.domain_length, arm.domain_height);
-  if (settings.cell_size > 0) field = field.resampled(settings.cell_size, settings.coarsening_power);
-  for (double& value : field.value) {
-    if (value < settings.least_density) value = -1;
-  }
-  scene::ArmSceneSettings of;
-  of.dimension = settings.dimension;
-  of.kernel = settings.kernel;
-  scene::Scene scene = scene::armScene(vehicle, field, of);
-  scene.monitors[0].radius = settings.hub_radius;
-  // The scale of the real force is one of the modulus: the law is linear in it.
-  scene.bodies[0].material.youngs_modulus *= force_scale;
-  // The solid's own law is the slow one.
-  if (vehicle.material.relaxation.modulus_is_fast) scene.bodies[0].material.youngs_modulus *= series.slow();
-  for (std::size_t k = 1; k < shares.size(); ++k) {
-    const std::string number = " " + std::to_string(k + 1);
-    const auto again = [&](auto& list) {
-      auto one = list.front();
-      one.name += number;
-      if constexpr (std::is_same_v<std::decay_t<decltype(one)>, scene::SceneBody>) {
-        one.material.youngs_modulus *= shares[k];
-        one.material.mass_density *= shares[k];
-      } else {
-        one.body = static_cast<int>(k);
-      }
-      list.push_back(std::move(one));
-    };
-    again(scene.bodies);
-    again(scene.pins);
-    again(scene.ports);
-    again(scene.monitors);
-  }
-  return scene;
-}
 
 }  // namespace
 
@@ -76,12 +35,17 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
     }
     series_.validate();
   }
+  if (settings.hand) {
+    if (trial.mount != Mount::HELD)
+      throw common::Error("hand is given with mount " + vehicle::mountName(trial.mount) + "; allowed: held");
+    hand_.emplace(*settings.hand);
+  }
   arms_ = vehicle.arm.count;
   groups_ = {arms_};
   if (trial.wings.value_or(false)) addWings(vehicle, parameters, wing);
   std::vector<double> shares;
   for (const int arms : groups_) shares.push_back(arms / static_cast<double>(groups_.front()));
-  scene_ = scene::compileScene(armsOf(vehicle, parameters.force_scale, settings, series_, shares), settings.threads);
+  scene_ = scene::compileScene(armBodies(vehicle, parameters.force_scale, settings, series_, shares), settings.threads);
   curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP);
   if (!curve_->bistable()) {
     throw common::Error("vehicle '" + vehicle.name +
@@ -115,7 +79,8 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   for (const auto& more : {bodies(parameters, carried), wingForces()}) {
     parts.terms.insert(parts.terms.end(), more.begin(), more.end());
   }
-  parts.terms.push_back(damping(restOfDamping(parameters)));
+  rest_of_damping_ = restOfDamping(parameters);
+  parts.terms.push_back(damping(rest_of_damping_));
   if (!series_.empty()) parts.terms.push_back(memory());
   parts.terms.push_back(loads(parameters, carried, moved));
   problem_ = std::make_shared<const solver::TermProblem>(std::move(parts));
@@ -125,7 +90,7 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
 std::shared_ptr<const Term> AxisVehicle::loads(const vehicle::VehicleParameters& p, double carried,
                                                const Eigen::VectorXd& moved) const {
   Eigen::VectorXd dead = -trial_.gravity * moved;
-  Eigen::MatrixXd thrust = Eigen::MatrixXd::Zero(centre_ + 1, 1);
+  Eigen::MatrixXd thrust = Eigen::MatrixXd::Zero(centre_ + 1, controlCount());
   if (ring_ >= 0) {
     const double boom = trial_.mount == Mount::BOOM ? p.boom_mass : 0;
     dead(ring_) -= share_ * trial_.gravity * (p.ring_mass - carried + boom);
@@ -133,6 +98,10 @@ std::shared_ptr<const Term> AxisVehicle::loads(const vehicle::VehicleParameters&
     thrust(ring_, 0) = share_;
   }
   dead(centre_) -= share_ * trial_.gravity * p.centre_mass;
+  if (hand_) {  // seen from the ring, which stands still, the hand's acceleration is a weight
+    thrust.col(1) = -moved;
+    thrust(centre_, 1) -= share_ * p.centre_mass;
+  }
   return std::make_shared<const solver::LoadTerm>(std::move(dead), std::move(thrust));
 }
 
@@ -185,7 +154,7 @@ void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
   const int entries = settings_.dimension * settings_.dimension;
   const int first = linkage_ ? wings_.firstEntry() : nodes_;
   const solver::SplitEquations split =
-      solver::splitEquations(centre_ + 1, 1, equations, false, first, wings_.rotationCount(), entries);
+      solver::splitEquations(centre_ + 1, controlCount(), equations, false, first, wings_.rotationCount(), entries);
   parts.coordinates =
       std::make_shared<const solver::Coordinates>(split.eliminated, settings_.dimension, wings_.rotations());
   if (split.kept.count() == 0) return;
@@ -245,6 +214,7 @@ std::vector<solver::Equation> AxisVehicle::armEquations() const {
     }
     if (ring_ >= 0 && of_ring != 0) equation.terms.emplace_back(ring_, of_ring);
     if (by_control(dof) != 0) equation.terms.emplace_back(centre_, by_control(dof));
+    if (settings_.in_space && ofAxle(*scene_, dof)) equations.push_back(alongAxle(own, dof));
     equations.push_back(std::move(equation));
   }
   return equations;
@@ -328,7 +298,7 @@ MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) co
   constexpr int STEPS = 80;
   constexpr double H = 0.02;  // [s] long against the travel's period: each step takes most of what is left
   const StaticPoint rest = mode == vehicle::Mode::FIXED_WING ? curve_->points().front() : curve_->at(curve_->second());
-  const Eigen::VectorXd load = Eigen::VectorXd::Constant(1, thrust);
+  const Eigen::VectorXd load = Eigen::VectorXd::Unit(controlCount(), 0) * thrust;
   Eigen::VectorXd together = allUp();
   if (ring_ < 0) together.setZero();  // a held ring moves with nobody
   StepperSettings settings;
@@ -391,6 +361,36 @@ RigidMotions AxisVehicle::rigidMotions() const {
   return [up = allUp()](const Eigen::VectorXd&) { return Eigen::MatrixXd(up); };
 }
 
+Eigen::VectorXd AxisVehicle::controls(double from, double h, double thrust) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Unit(controlCount(), 0) * thrust;
+  if (hand_) out(1) = hand_->meanAcceleration(from, h);
+  return out;
+}
+
+double AxisVehicle::lowerBarrier() const {
+  const vehicle::CurveFeatures features = vehicle::curveFeatures(curve_->table());
+  return std::min(features.barrier_forward, features.barrier_back) / share_;
+}
+
+AxisSample AxisVehicle::sample(const MotionState& s) const {
+  AxisSample out;
+  out.time = s.time;
+  const double carried = hand_ ? hand_->speed(s.time) : 0;
+  out.ring_position = ringPosition(s) + (hand_ ? hand_->position(s.time) : 0);
+  out.ring_speed = ringSpeed(s) + carried;
+  out.centre_speed = centreSpeed(s) + carried;
+  out.travel = travel(s);
+  out.travel_rate = travelRate(s);
+  out.arm_rotation = armRotation(s);
+  if (linkage_) {
+    out.wing_left = wingAngle(s, true), out.wing_right = wingAngle(s, false);
+    out.hub_twist = hubTwist(s);
+  }
+  out.kinetic = s.kinetic / share_;
+  out.stored = s.stored / share_;
+  return out;
+}
+
 double AxisVehicle::commonSpeed(const MotionState& s, const Stepper& stepper) const {
   const Eigen::VectorXd up = allUp();
   return up.dot(stepper.momentum(s.v)) / up.dot(stepper.momentum(up));
@@ -418,7 +418,10 @@ std::vector<std::string> AxisVehicle::leftOut() const {
   } else {
     out.push_back("wings and their linkage");
   }
-  if (trial_.mount == Mount::BOOM) out.push_back("the boom's turning: no centripetal load on centre and arms");
+  if (trial_.mount == Mount::BOOM) {
+    out.push_back("the boom's turning: no centripetal load on centre and arms (freedom: six)");
+  }
+  if (hand_) out.push_back("the hand's own speed in the drag of the centre");
   if (settings_.dimension == 2) out.push_back("what a solid's thickness does beyond plane stress (rung volumetric)");
   return out;
 }

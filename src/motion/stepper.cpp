@@ -53,6 +53,7 @@ Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Schem
   solver::NewtonSettings newton;
   newton.max_iterations = settings.max_iterations;
   newton.relative_tolerance = settings.relative_tolerance;
+  newton.roundings = settings.roundings;
   if (scheme.kind() == SchemeKind::CORRECTED_MIDPOINT) {
     // What a residual leaves is work that no scalar takes back.
     newton.relative_tolerance = std::max(1e-3 * settings.relative_tolerance, 1e-15);
@@ -115,20 +116,18 @@ double Stepper::storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p)
   return energy;
 }
 
-/// First guess: on with the rates of now, and the acceleration of before; where bodies turn, what they are at.
+/// First guess: on with the rates of now, and the acceleration of before; bodies turn on as they do.
 bool Stepper::solve(const MotionState& from, const solver::StepContext& context, Trial& out) {
   const solver::Coordinates& coordinates = problem_->coordinates();
   const double h = context.step.h;
   step_problem_->setStep(std::shared_ptr<const solver::StepContext>(std::shared_ptr<void>(), &context),
                          from.references);
-  Eigen::VectorXd guess = from.z;
-  if (coordinates.rotationCount() == 0) {
-    for (int k = 0; k < guess.size(); ++k) {
-      const int dof = coordinates.linear().dofOfFree(k);
-      guess(k) += h * from.v(dof);
-      if (from.acceleration.size() > 0) guess(k) += 0.5 * h * h * from.acceleration(dof);
-    }
-  }
+  Eigen::VectorXd moved = h * from.v;
+  if (from.acceleration.size() > 0) moved += 0.5 * h * h * from.acceleration;
+  solver::Coordinates::Place now;
+  coordinates.at(from.z, out.control, from.references.get(), now);
+  const Eigen::VectorXd turned = coordinates.rotationRates(now, moved);
+  const Eigen::VectorXd guess = coordinates.freePart(from.y + moved, from.z.tail(turned.size()) + turned);
   solver_->setLine({out.control, Eigen::VectorXd::Zero(out.control.size())});
   const int constraints = solver_->constraintCount();
   const bool known = from.multipliers.size() == constraints;
@@ -141,7 +140,6 @@ bool Stepper::solve(const MotionState& from, const solver::StepContext& context,
     out.account.iterations += out.newton.iterations;
     out.account.factorizations += out.newton.factorizations;
     if (out.newton.converged()) return true;
-    if (coordinates.rotationCount() > 0) break;
   }
   return false;
 }
@@ -229,26 +227,27 @@ Eigen::VectorXd Stepper::withoutRigidPart(const Eigen::VectorXd& y, const Eigen:
   return d - motions * masses.ldlt().solve(weighed.transpose() * d);
 }
 
-/// The force is beta M d' on the step, beta (d' . M d') the work that the account misses. As beta h^2 is small it
-/// converges in a few rounds with d' of the round before; inertia takes it as a change of the rates at the start.
+/// The force is beta M d' on the step, beta (d' . M d') the work that the account misses; inertia takes it as a change
+/// of the rates at the start. d' of the round before changes by about beta h^2 of itself in a round, and so does what
+/// is missing: at first it may even grow.
 bool Stepper::correct(const MotionState& from, Trial& out) {
-  constexpr int ROUNDS = 8;
-  constexpr double CLOSED = 1e-14, LARGEST = 0.1;  // of the energies; of 1/h^2
+  constexpr int ROUNDS = 20, IN_VAIN = 2;
+  constexpr double CLOSED = 1e-12, LARGEST = 0.1;  // of the energies; of 1/h^2
   solver::Step& step = out.context.step;
-  double beta = 0, before = 0, slope = 0;  // slope: of what is missing by beta
-  for (int round = 0; round < ROUNDS; ++round) {
+  double beta = 0, least = std::numeric_limits<double>::infinity();
+  for (int round = 0, in_vain = 0; round < ROUNDS; ++round) {
     const StepAccount& now = out.account;
     const double missing = now.imbalance;
     if (!std::isfinite(missing)) return false;
     if (std::abs(missing) <= CLOSED * (now.kinetic + std::abs(now.stored) + std::abs(now.work) + now.loss)) break;
-    if (round > 0 && std::abs(missing) >= std::abs(before)) break;  // Newton's tolerance is reached
+    in_vain = std::abs(missing) < 0.9 * least ? 0 : in_vain + 1;
+    if (in_vain > IN_VAIN) break;  // Newton's tolerance is reached
+    least = std::min(least, std::abs(missing));
     const Eigen::VectorXd d = out.end.y - from.y, own = withoutRigidPart(from.y + 0.5 * d, d);
     const double square = own.dot(momentum(own));
     // What hardly changes its shape has no room for it, and no need.
     if (!(square > 1e-24 * d.dot(momentum(d)))) break;
-    const bool secant = round > 0 && slope < -0.2 * square && slope > -5 * square;
-    const double more = missing / (secant ? -slope : square);
-    beta += more;
+    beta += missing / square;
     if (std::abs(beta) * step.h * step.h > LARGEST) return false;
     step.v0 = from.v - beta / (step.kappa * step.h) * own;
     out.newton = solver_->minimise(out.x);
@@ -258,8 +257,6 @@ bool Stepper::correct(const MotionState& from, Trial& out) {
     out.end.z = out.x.z;
     out.end.multipliers = out.x.multipliers;
     account(from, out);
-    before = missing;
-    slope = (out.account.imbalance - missing) / more;
   }
   return true;
 }

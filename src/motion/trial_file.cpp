@@ -142,6 +142,52 @@ void readRepeats(SettingsReader& reader, TrialFile& out) {
   vary.finish();
 }
 
+/// Six degrees of freedom, and what they have beside the axis.
+void readSpace(SettingsReader& reader, TrialFile& out) {
+  if (reader.has("freedom")) out.six = reader.choice("freedom", {"axis", "six"}) == "six";
+  if (out.six && out.rung != TrialRung::VOLUMETRIC) {
+    reader.fail("freedom", "six with rung " + rungName(out.rung), "with rung volumetric only");
+  }
+  for (const char* key : {"propellers", "gravity_across"}) {
+    if (reader.has(key) && !out.six) reader.fail(key, "given", "with freedom: six only");
+  }
+  if (!out.six) return;
+  if (out.trial.wings.value_or(false)) reader.fail("wings", "on with freedom: six", "off, auto");
+  if (out.axis.damping != DampingLaw::TRAVEL && out.axis.damping != DampingLaw::KELVIN_VOIGT) {
+    reader.fail("solid.damping", dampingName(out.axis.damping), "travel, kelvin_voigt with freedom: six");
+  }
+  out.trial.wings = false;
+  out.space.gravity_across = reader.numberOr("gravity_across", 0, {-100, 100}, "m/s2");
+  if (!reader.has("propellers")) return;
+  SettingsReader propellers = reader.map("propellers");
+  if (propellers.has("scale")) out.space.rotor_scale = propellers.numbers("scale", 0, {0, 2}, "1");
+  out.space.rotor_angle = propellers.numberOr("angle", out.space.rotor_angle, {-10, 10}, "rad");
+  out.space.moment_per_thrust = propellers.numberOr("moment_per_thrust", 0, {0, 1}, "m");
+  out.space.no_thrust_speed = propellers.numberOr("no_thrust_speed", 0, {0, 1000}, "m/s");
+  out.space.sag = propellers.numberOr("sag", 0, {0, 0.9}, "1");
+  propellers.finish();
+}
+
+/// A hand that holds the ring and moves.
+void readHand(SettingsReader& reader, TrialFile& out) {
+  if (!reader.has("hand")) return;
+  if (out.mount != "held") reader.fail("hand", "given with mount " + out.mount, "with mount: held only");
+  if (out.rung == TrialRung::LUMPED || out.six)
+    reader.fail("hand", "given", "with rung planar or volumetric, on the axis");
+  SettingsReader hand = reader.map("hand");
+  HandSettings settings;
+  settings.noise = hand.numberOr("noise", 0, {0, 100}, "m/s2");
+  settings.low = hand.numberOr("low", settings.low, {0.01, 1000}, "Hz");
+  settings.high = hand.numberOr("high", settings.high, {0.01, 1000}, "Hz");
+  if (!(settings.high > settings.low)) hand.fail("high", "not above low", "more than low");
+  if (settings.noise > 0 && !hand.has("seed")) hand.fail("seed", "missing", "0 .. 1000000000, needed with noise");
+  if (hand.has("seed")) settings.seed = static_cast<std::uint64_t>(hand.integer("seed", 0, 1000000000));
+  settings.swing = hand.numberOr("swing", 0, {0, 1}, "m");
+  settings.swing_frequency = hand.numberOr("swing_frequency", settings.swing_frequency, {0.01, 100}, "Hz");
+  hand.finish();
+  out.axis.hand = settings;
+}
+
 /// Friction of each wing's pins, times what the vehicle says.
 void readFriction(SettingsReader& reader, TrialFile& out) {
   if (!reader.has("wing_friction")) return;
@@ -171,6 +217,8 @@ TrialFile loadTrial(const std::string& path) {
   readSolid(reader, out);
   readLevels(reader, out);
   readFriction(reader, out);
+  readSpace(reader, out);
+  readHand(reader, out);
   readSteps(reader, out);
   readBox(reader, out);
   readRepeats(reader, out);

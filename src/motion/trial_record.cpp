@@ -20,13 +20,17 @@ struct Column {
   double AxisSample::*value;
 };
 
-constexpr std::array<Column, 18> COLUMNS{{{"time", "s", &AxisSample::time},
+constexpr std::array<Column, 22> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"travel", "m", &AxisSample::travel},
                                           {"travel_rate", "m/s", &AxisSample::travel_rate},
                                           {"arm_rotation", "rad", &AxisSample::arm_rotation},
                                           {"wing_left", "rad", &AxisSample::wing_left},
                                           {"wing_right", "rad", &AxisSample::wing_right},
                                           {"hub_twist", "rad", &AxisSample::hub_twist},
+                                          {"tilt", "rad", &AxisSample::tilt},
+                                          {"housing_tilt", "rad", &AxisSample::housing_tilt},
+                                          {"drift", "m", &AxisSample::drift},
+                                          {"turn_rate", "rad/s", &AxisSample::turn_rate},
                                           {"ring_position", "m", &AxisSample::ring_position},
                                           {"ring_speed", "m/s", &AxisSample::ring_speed},
                                           {"centre_speed", "m/s", &AxisSample::centre_speed},
@@ -51,7 +55,7 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 3\n";
+const std::string MAGIC = "snapwing trial checkpoint 4\n";
 
 using common::BytesReader;
 using common::BytesWriter;
@@ -149,7 +153,7 @@ std::string seriesCsv(const std::vector<AxisSample>& samples) {
   return text.str();
 }
 
-void saveSeries(const std::vector<AxisSample>& samples, const AxisVehicle& vehicle,
+void saveSeries(const std::vector<AxisSample>& samples, const TrialVehicle& vehicle,
                 const std::map<std::string, std::string>& provenance, const std::string& path) {
   common::hdf5::writeFile(path, [&](hid_t file) {
     for (const Column& column : COLUMNS) {

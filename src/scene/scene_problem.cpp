@@ -124,7 +124,8 @@ class CompiledSceneOf : public CompiledScene {
     return std::make_unique<SceneSensitivityOf<D>>(std::move(parts), x);
   }
 
-  std::string vtu(const Eigen::VectorXd& z, double p) const override { return vtuText(*cells_, full(z, p), frames()); }
+  std::string vtu(const Eigen::VectorXd& z, double p) const override { return vtuOf(full(z, p)); }
+  std::string vtuOf(const Eigen::VectorXd& u) const override { return vtuText(*cells_, u, frames()); }
 
  private:
   template <int Wanted, int Given>

@@ -171,6 +171,19 @@ Eigen::VectorXd Coordinates::pullBackMean(const Place& start, const Place& end, 
   return pullBackInner(linear_.restrictToFree(full), mean);
 }
 
+Eigen::VectorXd Coordinates::rotationRates(const Place& at, const Eigen::VectorXd& v) const {
+  Eigen::VectorXd rates = Eigen::VectorXd::Zero(groups_.empty() ? 0 : free_ - groups_.front().first);
+  for (std::size_t n = 0; n < groups_.size(); ++n) {
+    const Group& g = groups_[n];
+    if (g.params() == 0) continue;
+    const Eigen::MatrixXd& slope = at.rotations[n].slope;
+    const Eigen::VectorXd entries = v.segment(g.rotation.first, slope.rows());
+    rates.segment(g.first - groups_.front().first, g.params()) =
+        (slope.transpose() * slope).ldlt().solve(slope.transpose() * entries);
+  }
+  return rates;
+}
+
 Eigen::VectorXd Coordinates::push(const Place& at, const Eigen::VectorXd& dz, const Eigen::VectorXd& dp) const {
   if (groups_.empty()) return linear_.expandDirection(dz, dp);
   Eigen::VectorXd w(static_cast<Eigen::Index>(plain_.size()));

@@ -110,7 +110,7 @@ bool EquilibriumSolver::closed(const Equilibrium& x) const {
 }
 
 bool EquilibriumSolver::balanced(const Equilibrium& x) const {
-  return x.at.residual.norm() <= residualTolerance(problem_, x.at, settings_.relative_tolerance) && closed(x);
+  return x.at.residual.norm() <= residualTolerance(problem_, x.at, settings_) && closed(x);
 }
 
 NewtonResult EquilibriumSolver::minimise(Equilibrium& x) {

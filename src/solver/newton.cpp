@@ -50,6 +50,7 @@ void NewtonSettings::validate() const {
   if (!(relative_tolerance > 0 && relative_tolerance <= 1e-2)) {
     throw common::Error("relative_tolerance is " + common::toText(relative_tolerance) + "; allowed: (0, 0.01]");
   }
+  if (!(roundings >= 1)) throw common::Error("roundings is " + common::toText(roundings) + "; allowed: >= 1");
 }
 
 Newton::Newton(const Problem& problem, NewtonSettings settings)
@@ -67,14 +68,12 @@ void Newton::evaluate(const Eigen::VectorXd& z, const Held& held, Order order, E
   seconds_assembly_ += secondsNow() - begin;
 }
 
-double residualTolerance(const Problem& problem, const Evaluation& at, double relative) {
-  constexpr double ROUNDINGS = 10;
-  return std::max({relative * at.force_scale, ROUNDINGS * at.rounding, problem.forceFloor()});
+double residualTolerance(const Problem& problem, const Evaluation& at, const NewtonSettings& settings) {
+  return std::max(
+      {settings.relative_tolerance * at.force_scale, settings.roundings * at.rounding, problem.forceFloor()});
 }
 
-double Newton::tolerance(const Evaluation& at) const {
-  return residualTolerance(problem_, at, settings_.relative_tolerance);
-}
+double Newton::tolerance(const Evaluation& at) const { return residualTolerance(problem_, at, settings_); }
 
 /// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.
 bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result) {

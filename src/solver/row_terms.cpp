@@ -109,14 +109,19 @@ void RowStop::evaluate(const Point& at, Order order, Sum& sum) const {
   add(at, 0.5 * stiffness_ * into * into, -stiffness_ * into, stiffness_, order, sum);
 }
 
-RowStopLoss::RowStopLoss(std::string name, Row row, double gap, double stiffness, double mass, double restitution)
-    : RowTerm(std::move(name), Role::DISSIPATION, std::move(row)), gap_(gap) {
-  requireOf(name_)(restitution > 0 && restitution <= 1, "restitution", restitution, "(0, 1]");
-  requireOf(name_)(mass > 0 && std::isfinite(mass), "mass", mass, "> 0");
-  requireOf(name_)(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0");
+double stopDamping(const std::string& term, double stiffness, double mass, double restitution) {
+  const common::Require require = requireOf(term);
+  require(restitution > 0 && restitution <= 1, "restitution", restitution, "(0, 1]");
+  require(mass > 0 && std::isfinite(mass), "mass", mass, "> 0");
+  require(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0");
   const double log = std::log(restitution), pi = std::acos(-1.0);
-  damping_ = 2 * (-log / std::hypot(pi, log)) * std::sqrt(stiffness * mass);
+  return 2 * (-log / std::hypot(pi, log)) * std::sqrt(stiffness * mass);
 }
+
+RowStopLoss::RowStopLoss(std::string name, Row row, double gap, double stiffness, double mass, double restitution)
+    : RowTerm(std::move(name), Role::DISSIPATION, std::move(row)),
+      gap_(gap),
+      damping_(stopDamping(name_, stiffness, mass, restitution)) {}
 
 void RowStopLoss::evaluate(const Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr || row_.dot(at.step->y0) >= gap_) return;

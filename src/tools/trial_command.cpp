@@ -115,6 +115,16 @@ void writeSummary(const Work& work, ordered_json summary) {
   common::writeFileAtomically(work.path("summary.json"), common::jsonText(summary));
 }
 
+/// What the rung of tables does not know of a vehicle.
+std::vector<std::string> leftOutByTables(const vehicle::Vehicle& vehicle) {
+  std::vector<std::string> out{"modes of the arms beside the travel, motion across the thrust axis"};
+  const bool known = !vehicle.material.relaxation.terms.empty();
+  out.push_back(std::string("memory of the material") +
+                (known ? ", which the vehicle file states (material.relaxation)" : "") +
+                ": the table's modulus holds for a slow curve, a snap and a rest");
+  return out;
+}
+
 int runLumped(const Work& work) {
   const rom::LumpedModel model = rom::LumpedModel::fromVehicle(work.vehicle, work.table, work.parameters, {},
                                                                vehicle::wingTableOf(work.vehicle, work.table));
@@ -131,8 +141,11 @@ int runLumped(const Work& work) {
   common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(samples));
   ordered_json summary = headOf(work);
   summary["outcome"] = validation::predictionJson(prediction);
+  const std::vector<std::string> left_out = leftOutByTables(work.vehicle);
+  summary["model"] = {{"left_out", left_out}};
   writeSummary(work, summary);
   std::printf("%s: %s\n", work.file.name.c_str(), predictionLine(prediction).c_str());
+  for (const std::string& what : left_out) std::printf("left out: %s\n", what.c_str());
   return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }
 
@@ -193,7 +206,7 @@ ordered_json linkageJson(const motion::WingLinkage& w, const motion::AxisSetting
 }
 
 /// What any other code needs beside the static curve to do the same.
-ordered_json bodiesJson(const Work& work, const motion::AxisVehicle& vehicle) {
+ordered_json bodiesJson(const Work& work, const motion::TrialVehicle& vehicle) {
   const vehicle::VehicleParameters& p = work.parameters;
   const motion::WingLinkage* wing = vehicle.linkage();
   const double wings = wing != nullptr ? 2 * wing->totalMass() : 0;
@@ -211,10 +224,11 @@ ordered_json bodiesJson(const Work& work, const motion::AxisVehicle& vehicle) {
           {"time_constant_down", p.time_constant_down}};
 }
 
-ordered_json modelJson(const Work& work, const motion::AxisVehicle& vehicle) {
+ordered_json modelJson(const Work& work, const motion::TrialVehicle& vehicle) {
   const motion::TrialFile& f = work.file;
   const motion::StaticCurve& curve = vehicle.curve();
-  return {{"cells", vehicle.cellCount()},
+  return {{"freedom", f.six ? "six" : "axis"},
+          {"cells", vehicle.cellCount()},
           {"free_coordinates", vehicle.freeCount()},
           {"kernel", scene::kernelName(f.axis.kernel)},
           {"cell_size", f.axis.cell_size},
@@ -226,12 +240,13 @@ ordered_json modelJson(const Work& work, const motion::AxisVehicle& vehicle) {
           {"linkage",
            vehicle.linkage() != nullptr ? linkageJson(*vehicle.linkage(), work.file.axis) : ordered_json(nullptr)},
           {"static_barrier", curve.barrier()},
-          {"static_valley_force", curve.valleyForce() / vehicle.shareOfVehicle()},
+          {"static_valley_force", vehicle.valleyForce()},
           {"static_second_equilibrium", curve.second()},
+          {"kept", vehicle.kept()},
           {"left_out", vehicle.leftOut()}};
 }
 
-void writeRecord(const Work& work, const motion::AxisVehicle& vehicle, const motion::AxisRun& run,
+void writeRecord(const Work& work, const motion::TrialVehicle& vehicle, const motion::AxisRun& run,
                  const ordered_json& summary) {
   common::writeFileAtomically(work.path("series.csv"), motion::seriesCsv(run.samples));
   motion::saveSeries(run.samples, vehicle,
@@ -262,14 +277,24 @@ void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
   if (!o.start_held) std::printf("note: the start mode is no equilibrium under the loads before the pulse\n");
 }
 
+std::unique_ptr<const motion::TrialVehicle> vehicleOf(const Work& work, const vehicle::Trial& surroundings,
+                                                      const motion::AxisSettings& axis) {
+  if (work.file.six) {
+    return std::make_unique<const motion::SpaceVehicle>(work.vehicle, work.parameters, surroundings, axis,
+                                                        work.file.space);
+  }
+  return std::make_unique<const motion::AxisVehicle>(work.vehicle, work.parameters, surroundings, axis,
+                                                     vehicle::wingTableOf(work.vehicle, work.table));
+}
+
 int runSolid(const Work& work) {
   const double cpu_before = cpuSeconds();
   motion::AxisSettings axis = work.file.axis;
   axis.threads = work.options.threads;
   vehicle::Trial surroundings = work.file.trial;
   surroundings.wings = rom::wingsAct(work.file.trial, work.vehicle.hasWing());
-  const motion::AxisVehicle vehicle(work.vehicle, work.parameters, surroundings, axis,
-                                    vehicle::wingTableOf(work.vehicle, work.table));
+  const std::unique_ptr<const motion::TrialVehicle> made = vehicleOf(work, surroundings, axis);
+  const motion::TrialVehicle& vehicle = *made;
   motion::AxisTrial trial = motion::AxisTrial::of(work.file.start, work.fraction, work.file.pulse.duration,
                                                   work.parameters, work.idle, work.file.trial);
   for (const motion::TrialLevel& level : work.file.then) trial.then.push_back({work.fractionOf(level), level.duration});
@@ -311,6 +336,7 @@ int runSolid(const Work& work) {
   }
   std::filesystem::remove(checkpoint);
   printOutcome(work, run, cpu);
+  for (const std::string& what : vehicle.kept()) std::printf("kept: %s\n", what.c_str());
   for (const std::string& what : vehicle.leftOut()) std::printf("left out: %s\n", what.c_str());
   return run.outcome.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }

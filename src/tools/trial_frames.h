@@ -12,7 +12,7 @@ namespace snapwing::tools {
 class TrialFrames {
  public:
   /// @param folder  where frame_0000.vtu .. and trial.pvd go; @param every  [s]; 0: none
-  TrialFrames(const motion::AxisVehicle& vehicle, std::string folder, double every)
+  TrialFrames(const motion::TrialVehicle& vehicle, std::string folder, double every)
       : vehicle_(vehicle), folder_(std::move(folder)), every_(every) {}
 
   /// Writes the newest state if it is the first in its stretch of `every` seconds. Also to be called when a run goes on
@@ -26,7 +26,7 @@ class TrialFrames {
   int frameOf(const std::vector<motion::AxisSample>& samples, std::size_t k) const;
   std::string fileOf(int frame) const;
 
-  const motion::AxisVehicle& vehicle_;
+  const motion::TrialVehicle& vehicle_;
   std::string folder_;
   double every_;
 };

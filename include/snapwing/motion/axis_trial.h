@@ -1,14 +1,14 @@
 #pragma once
-/// One pulse on a vehicle of axis_vehicle.h: what is recorded, when it has ended, and the answer in the words of the
-/// lumped prediction.
+/// One pulse on a vehicle in time (trial_vehicle.h): what is recorded, when it has ended, and the answer in the words
+/// of the lumped prediction.
 
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_vehicle.h"
+#include "snapwing/motion/trial_vehicle.h"
 #include "snapwing/vehicle/pulse.h"
 #include "snapwing/vehicle/trial_outcome.h"
 
@@ -56,21 +56,6 @@ struct AxisTrial {
                       const vehicle::VehicleParameters& parameters, double idle, const vehicle::Trial& trial);
 };
 
-/// One row a step; all of the whole vehicle.
-struct AxisSample {
-  double time = 0;                                             ///< [s]
-  double ring_position = 0, ring_speed = 0, centre_speed = 0;  ///< [m], [m/s]
-  double travel = 0, travel_rate = 0;                          ///< [m], [m/s]
-  double arm_rotation = 0;                                     ///< [rad]
-  /// Rotations of the wings from rest [rad], and the largest angle between a crank and its arm; NaN without wings.
-  double wing_left = std::numeric_limits<double>::quiet_NaN(), wing_right = wing_left, hub_twist = wing_left;
-  double thrust = 0;                                                  ///< [N]
-  double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
-  double step = 0;                                                    ///< [s]
-  double min_det_f = 1;
-  int iterations = 0;
-};
-
 /// The members of rom::SnapPrediction that a solid has, by the same definitions.
 struct AxisOutcome : vehicle::TrialOutcome {
   double largest_imbalance = 0;  ///< [J] of the summed account: what the scheme fed or ate
@@ -97,7 +82,7 @@ struct AxisRunHooks {
 /// Runs a trial to its end, or goes on with one that was stopped. Ended: thrust idle, |u'| < .06 m/s for .12 s, and in
 /// F the travel below two thirds of the barrier's, in Q beyond the valley with more than .8 of its force.
 /// @return false if stopped. @throws common::Error if a step fails
-bool runTrial(const AxisVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
+bool runTrial(const TrialVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
               const AxisRunHooks& hooks = {});
 
 }  // namespace snapwing::motion

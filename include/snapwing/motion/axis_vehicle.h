@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "snapwing/elasticity/prony_series.h"
-#include "snapwing/motion/static_curve.h"
-#include "snapwing/motion/stepper.h"
+#include "snapwing/motion/hand_motion.h"
+#include "snapwing/motion/trial_vehicle.h"
 #include "snapwing/motion/wing_assembly.h"
 #include "snapwing/scene/arm_scene.h"
 #include "snapwing/solver/row.h"
@@ -58,10 +58,15 @@ struct AxisSettings {
       false;             ///< true: tied to the static path's rotation at the travel, the lumped model's rule
   double wing_stop = 0;  ///< [N m] per rad of a stop that keeps each wing from turning back past rest; 0: none
   double friction_left = 1, friction_right = 1;  ///< [1] times the friction of that wing's pins
+  /// As motion in space needs it: axles hold their lines along themselves too, which may slide else, and light cells
+  /// have no linear part (elasticity::DensityInterpolation), which would feel a rotation.
+  bool in_space = false;
+  bool whole_thickness = false;      ///< a solid without its plane of symmetry, which motion in space has not
+  std::optional<HandSettings> hand;  ///< that holds the ring, with mount HELD; unset: the ring stands still
   int threads = 1;
 };
 
-class AxisVehicle {
+class AxisVehicle : public TrialVehicle {
  public:
   /// @param parameters  of this vehicle, from vehicle::realise: masses, drag, damping c, force_scale
   /// @param trial       mount, gravity, push; wings on
@@ -71,22 +76,27 @@ class AxisVehicle {
               const vehicle::Trial& trial, const AxisSettings& settings,
               const std::optional<vehicle::WingTable>& wing = {});
 
-  std::shared_ptr<const solver::TermProblem> problem() const { return problem_; }
-  /// Control of the problem is the thrust of the whole vehicle [N].
-  double shareOfVehicle() const { return share_; }
-  const StaticCurve& curve() const { return *curve_; }
-  double armMass() const { return arm_mass_; }  ///< of all arms [kg]
+  std::shared_ptr<const solver::TermProblem> problem() const override { return problem_; }
+  /// Controls of the problem are the thrust of the whole vehicle [N], then with a hand its acceleration [m/s2].
+  double shareOfVehicle() const override { return share_; }
+  const StaticCurve& curve() const override { return *curve_; }
+  double lowerBarrier() const override;
+  double valleyForce() const override { return curve_->valleyForce() / share_; }
+  double armMass() const override { return arm_mass_; }
+  double travelDamping() const { return rest_of_damping_; }          ///< c that is left beside the memory [N s/m]
+  const elasticity::PronySeries& series() const { return series_; }  ///< of the memory; empty: none
+  double materialTime() const { return material_time_; }  ///< [s] of the material's damping law; 0: on the travel
 
   /// The static curve with the arm's inertia as a table of one arm, without provenance: what the lumped model needs to
   /// be compared with this solid and not with another.
-  vehicle::ForceTable staticTable() const;
+  vehicle::ForceTable staticTable() const override;
   /// The same of the wings as they are here. @throws common::Error without wings
   vehicle::WingTable staticWingTable() const;
-  const WingLinkage* linkage() const { return linkage_.get(); }  ///< null without wings
+  const WingLinkage* linkage() const override { return linkage_.get(); }
 
-  /// At rest in the equilibrium of a mode under the trial's loads before the pulse, moving with its initial speed.
-  /// @param thrust  [N] of the vehicle; @param held  false if the mode is no equilibrium under these loads
-  MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const;
+  MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const override;
+  Eigen::VectorXd controls(double from, double h, double thrust) const override;
+  AxisSample sample(const MotionState& s) const override;
 
   double ringPosition(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.y(ring_); }  ///< [m]
   double ringSpeed(const MotionState& s) const { return ring_ < 0 ? 0.0 : s.v(ring_); }     ///< [m/s]
@@ -99,18 +109,18 @@ class AxisVehicle {
   double wingAngle(const MotionState& s, bool left) const;
   /// Largest angle between a crank and its arm [rad]; 0 without wings.
   double hubTwist(const MotionState& s) const;
-  /// What the scheme CORRECTED_MIDPOINT must leave alone: the motion of all along the axis.
-  RigidMotions rigidMotions() const;
-  /// Momentum along the axis / mass of all that moves [m/s].
-  double commonSpeed(const MotionState& s, const Stepper& stepper) const;
-  /// Deformed cells in the ring's frame, as VTU text.
-  std::string vtu(const MotionState& s) const;
-  /// What this rung leaves out of the trial, one sentence each.
-  std::vector<std::string> leftOut() const;
-  int freeCount() const { return problem_->freeCount(); }
-  int cellCount() const { return scene_->cellCount(); }
+  /// The motion of all along the axis.
+  RigidMotions rigidMotions() const override;
+  double commonSpeed(const MotionState& s, const Stepper& stepper) const override;
+  /// In the ring's frame.
+  std::string vtu(const MotionState& s) const override;
+  std::vector<std::string> leftOut() const override;
+  int cellCount() const override { return scene_->cellCount(); }
+
+  const scene::CompiledScene& scene() const { return *scene_; }
 
  private:
+  int controlCount() const { return hand_ ? 2 : 1; }
   Eigen::VectorXd inRingFrame(const MotionState& s) const;
   void addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p,
                 const std::optional<vehicle::WingTable>& wing);
@@ -127,7 +137,7 @@ class AxisVehicle {
   std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p, double carried) const;
   std::shared_ptr<const solver::Term> loads(const vehicle::VehicleParameters& p, double carried,
                                             const Eigen::VectorXd& moved) const;
-  std::shared_ptr<const solver::Term> damping(double c) const;
+  std::shared_ptr<const solver::Term> damping(double c);
   /// c of the travel in Q that the memory makes of it [N s/m] of the vehicle.
   double lossOfMemory(const vehicle::VehicleParameters& p) const;
   double restOfDamping(const vehicle::VehicleParameters& p) const;
@@ -144,7 +154,8 @@ class AxisVehicle {
   bool memory_known_ = false;       ///< the vehicle file states one
   std::unique_ptr<scene::CompiledScene> scene_;
   std::unique_ptr<StaticCurve> curve_;
-  double share_ = 1, arm_mass_ = 0;
+  double share_ = 1, arm_mass_ = 0, rest_of_damping_ = 0, material_time_ = 0;
+  std::optional<HandMotion> hand_;
   int nodes_ = 0;  ///< coordinates of the arms' nodes
   int ring_ = -1, centre_ = 0;
   int arms_ = 1;

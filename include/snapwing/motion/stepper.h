@@ -35,6 +35,7 @@ struct StepperSettings {
   double smallest_step = 1e-7;       ///< [s] > 0: below, the motion has failed
   double error = 0;                  ///< [m] largest local error of a step, mean over the mass; 0: steps are not chosen
   double relative_tolerance = 1e-8;  ///< of Newton, as in NewtonSettings
+  double roundings = 10;             ///< as in NewtonSettings
   int max_iterations = 30;
   solver::Projection projection = solver::Projection::ON_DEMAND;
   bool keep_factor = false;  ///< as in NewtonSettings

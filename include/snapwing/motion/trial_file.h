@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "snapwing/motion/axis_vehicle.h"
+#include "snapwing/motion/space_vehicle.h"
 #include "snapwing/vehicle/mode.h"
 #include "snapwing/vehicle/trial.h"
 
@@ -47,6 +48,8 @@ struct TrialFile {
   double bias = 0;  ///< of the midpoint
   StepperSettings steps;
   AxisSettings axis;
+  bool six = false;  ///< degrees of freedom; else along the thrust axis
+  SpaceSettings space;
   int repeats = 1;
   TrialVariation vary;
 };

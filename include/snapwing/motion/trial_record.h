@@ -14,7 +14,7 @@ namespace snapwing::motion {
 std::string seriesCsv(const std::vector<AxisSample>& samples);
 /// The same columns as datasets with units, the static curve of all arms with rotation and inertia beside them, and
 /// where it came from. @throws common::FileError
-void saveSeries(const std::vector<AxisSample>& samples, const AxisVehicle& vehicle,
+void saveSeries(const std::vector<AxisSample>& samples, const TrialVehicle& vehicle,
                 const std::map<std::string, std::string>& provenance, const std::string& path);
 
 /// @param hash  of all that the run depends on. @throws common::FileError

@@ -69,6 +69,8 @@ class CompiledScene {
   virtual std::unique_ptr<SceneSensitivity> sensitivity(const solver::Equilibrium& x) const = 0;
   /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).
   virtual std::string vtu(const Eigen::VectorXd& z, double p) const = 0;
+  /// The same of nodal displacements in the axes of their bodies, whatever holds them.
+  virtual std::string vtuOf(const Eigen::VectorXd& displacements) const = 0;
 };
 
 /// @param threads  for assembly

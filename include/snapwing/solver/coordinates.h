@@ -55,6 +55,8 @@ class Coordinates {
   /// The same with the mean of two places' rotations in the place of the slope: dE/ds = [axis] (R0 + R1) / 2. A step
   /// that tests its equations along these keeps energy and angular momentum. Equal to pullBack without rotations.
   Eigen::VectorXd pullBackMean(const Place& start, const Place& end, const Eigen::VectorXd& full) const;
+  /// Rates of the last coordinates that come nearest to rates v of y: those of the rotations. [m/s]
+  Eigen::VectorXd rotationRates(const Place& at, const Eigen::VectorXd& v) const;
   /// J dz + dy/dp dp [m]
   Eigen::VectorXd push(const Place& at, const Eigen::VectorXd& dz, const Eigen::VectorXd& dp) const;
   /// B^T f

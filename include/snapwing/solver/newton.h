@@ -39,6 +39,7 @@ inline Order projectedOrder(Projection projection) {
 struct NewtonSettings {
   int max_iterations = 60;           ///< [1] >= 1
   double relative_tolerance = 1e-9;  ///< [1] in (0, 1e-2]
+  double roundings = 10;             ///< what rounding leaves of a force, times this, is no residual [1] >= 1
   Projection projection = Projection::ON_DEMAND;
   /// Steps go along with the factor of an earlier solve as long as each cuts the residual to a quarter, and assemble no
   /// tangent meanwhile: for steps in time, whose Hessians hardly change. What is converged is the same.
@@ -50,7 +51,7 @@ struct NewtonSettings {
 };
 
 /// What |r| [N] must come below at an evaluation.
-double residualTolerance(const Problem& problem, const Evaluation& at, double relative);
+double residualTolerance(const Problem& problem, const Evaluation& at, const NewtonSettings& settings);
 
 struct NewtonResult {
   SolveStatus status = SolveStatus::NOT_SOLVED;

@@ -93,12 +93,15 @@ class RowStop : public RowTerm {
   double gap_, stiffness_;
 };
 
+/// Dashpot beside a stop of stiffness k that lets a mass m bounce off with `restitution` times its speed [N s/m]:
+/// c = 2 zeta sqrt(k m), zeta = -ln e / sqrt(pi^2 + ln^2 e).
+/// @param restitution  e in (0, 1]. @throws common::Error naming the term
+double stopDamping(const std::string& term, double stiffness, double mass, double restitution);
+
 /// Loss of a stop: h c/2 v^2 while the step begins behind the gap.
 class RowStopLoss : public RowTerm {
  public:
-  /// Dashpot that lets a mass bounce off a stop with `restitution` times its speed:
-  /// c = 2 zeta sqrt(k m), zeta = -ln e / sqrt(pi^2 + ln^2 e).
-  /// @param restitution  e in (0, 1]; @param mass  that bounces [kg] > 0. @throws common::Error
+  /// c is stopDamping. @param restitution  e in (0, 1]; @param mass  that bounces [kg] > 0. @throws common::Error
   RowStopLoss(std::string name, Row row, double gap, double stiffness, double mass, double restitution);
   void evaluate(const Point& at, Order order, Sum& sum) const override;
   double damping() const { return damping_; }  ///< c [N s/m]

@@ -26,7 +26,7 @@ struct RungTrial {
   double step = 2e-3;       ///< [s] of the solid; half and a quarter of it where the scheme's account does not close
   /// [s] where a search for the shortest pulse of a solid begins; NaN: at the lumped one
   double near = std::numeric_limits<double>::quiet_NaN();
-  double resolution = 1e-4;  ///< [s] of the shortest pulse
+  double resolution = 1e-4;                                 ///< [s] of the shortest pulse
   motion::DampingLaw damping = motion::DampingLaw::TRAVEL;  ///< of the solid
   /// Static curve of the lumped rung in place of the vehicle's table, whose parameters stay: that of a solid.
   const vehicle::ForceTable* curve = nullptr;
@@ -57,8 +57,8 @@ class RungRunner {
 
   /// What happens; an error of the solver or of the model is the outcome's `failure`.
   RungOutcome run(const RungTrial& trial) const;
-  /// The shortest pulse that switches, to `resolution`: `threshold` of the outcome. On solids the search begins at `near`, and
-  /// fails if there is none within 60 ms of it.
+  /// The shortest pulse that switches, to `resolution`: `threshold` of the outcome. On solids the search begins at
+  /// `near`, and fails if there is none within 60 ms of it.
   RungOutcome shortest(const RungTrial& trial) const;
   /// The heaviest centre that the start mode carries with the ring held and the motors still, to .01 N of weight:
   /// `threshold` of the outcome [N]. On solids the search begins at `near` [N], or at the lumped one.

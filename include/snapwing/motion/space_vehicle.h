@@ -1,0 +1,112 @@
+#pragma once
+/// The vehicle in space: ring and housing as rigid bodies with six degrees of freedom each, joined by all its soft
+/// arms, placed around them; propellers as follower forces at their places. On a boom ring and boom are one body that
+/// turns about the boom's axis, so that centre and arms feel the centripetal load. World axes: y is the thrust axis at
+/// the start, x the way of the first arm (and of the boom, outwards); origin on that axis at the arms' lower edge.
+///
+/// Full coordinates are the nodes' displacements in the axes of their arms, then c of ring and housing, then E of both.
+/// kept() and leftOut() say what is in and what is not.
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "snapwing/motion/axis_vehicle.h"
+#include "snapwing/solver/point_terms.h"
+
+namespace snapwing::motion {
+
+struct SpaceSettings {
+  std::vector<double> rotor_scale;          ///< [1] times each rotor's thrust; empty: all 1
+  double rotor_angle = 0.7853981633974483;  ///< [rad] of the first rotor from the first arm, the others evenly on
+  double moment_per_thrust = 0;             ///< [m] yaw moment of a propeller; neighbours turn against each other
+  double no_thrust_speed = 0;  ///< [m/s] along the axis at which full thrust is gone (solver::Propeller); 0: it stays
+  double sag = 0;              ///< [1] share of the thrust that the battery lacks where all rotors give the full one
+  double gravity_across = 0;   ///< [m/s2] pull against x, beside the trial's along y
+  /// @throws common::Error naming the member. @param rotors  of the vehicle
+  void validate(int rotors) const;
+};
+
+class SpaceVehicle : public TrialVehicle {
+ public:
+  /// @param settings  of the arms, as a solid; damping travel or kelvin_voigt, which do not brake a turning vehicle
+  /// @throws common::Error for wings, planar arms, other laws, a hand
+  SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
+               const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space);
+
+  std::shared_ptr<const solver::TermProblem> problem() const override { return problem_; }
+  double shareOfVehicle() const override { return 1; }
+  const StaticCurve& curve() const override { return axis_.curve(); }
+  double lowerBarrier() const override { return axis_.lowerBarrier(); }
+  double valleyForce() const override { return axis_.valleyForce(); }
+  vehicle::ForceTable staticTable() const override { return axis_.staticTable(); }
+  double armMass() const override { return axis_.armMass(); }
+  /// The symmetric one, of the model along the axis.
+  MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const override;
+  Eigen::VectorXd controls(double from, double h, double thrust) const override;
+  AxisSample sample(const MotionState& s) const override;
+  RigidMotions rigidMotions() const override;
+  double commonSpeed(const MotionState& s, const Stepper& stepper) const override;
+  std::string vtu(const MotionState& s) const override;
+  std::vector<std::string> kept() const override;
+  std::vector<std::string> leftOut() const override;
+  int cellCount() const override { return scene_->cellCount(); }
+  const AxisVehicle& axis() const { return axis_; }
+
+  /// Rates of the full coordinates where all move at velocity + turn x (place - origin) [m/s], [rad/s].
+  Eigen::VectorXd rigidRates(const Eigen::VectorXd& y, const Eigen::Vector3d& velocity,
+                             const Eigen::Vector3d& turn) const;
+  /// Momenta in the world's axes, the angular one about its origin.
+  Eigen::Vector3d linearMomentum(const Stepper& stepper, const MotionState& s) const;
+  Eigen::Vector3d angularMomentum(const Stepper& stepper, const MotionState& s) const;
+  double mass() const { return mass_; }  ///< of all that moves [kg]
+  /// Of the ring's centre at rest [m]; of its turning [rad/s].
+  const Eigen::Vector3d& ringCentre() const { return ring_centre_; }
+  Eigen::Vector3d ringTurning(const MotionState& s) const;
+  Eigen::Vector3d rotorPlace(int rotor) const;  ///< at rest [m]
+
+ private:
+  struct RigidBody {
+    int centre_at = 0;  ///< coordinate of c
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    solver::Rotation rotation;
+  };
+  /// A vector of the full coordinates that turns with all: a node's place, c with its centre, a column of L + E.
+  struct Arrow {
+    int first = 0, arm = -1;  ///< in that arm's axes; -1: the world's
+    Eigen::Vector3d rest = Eigen::Vector3d::Zero();
+    bool moves = true;  ///< with the vehicle: places do, columns of E do not
+  };
+  void placeBodies(const vehicle::Vehicle& vehicle);
+  void findArrows();
+  std::vector<solver::Equation> equations() const;
+  void addFollowing(int dof, double factor, const RigidBody& body, std::map<int, double>& terms) const;
+  std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p) const;
+  std::vector<std::shared_ptr<const solver::Term>> forces(const vehicle::VehicleParameters& p) const;
+  std::vector<std::shared_ptr<const solver::Term>> propellers(const vehicle::VehicleParameters& p) const;
+  std::shared_ptr<const solver::Term> weight() const;
+  Eigen::VectorXd wholeArm(const Eigen::VectorXd& along) const;
+  solver::SpacePoint pointOf(const RigidBody& body, const Eigen::Vector3d& at) const;
+  Eigen::Vector3d inWorld(const Arrow& arrow, const Eigen::VectorXd& full) const;
+  Eigen::Matrix3d orientation(const RigidBody& body, const Eigen::VectorXd& y) const;
+  Eigen::VectorXd inRingFrame(const Eigen::VectorXd& y) const;
+  bool onBoom() const { return trial_.mount == vehicle::Mount::BOOM; }
+
+  vehicle::Trial trial_;
+  SpaceSettings space_;
+  AxisVehicle axis_;
+  int rotors_ = 0, arms_ = 0, nodes_ = 0, per_arm_ = 0;
+  double max_thrust_ = 0, mass_ = 0, half_ = 0, boom_ = 0, rotor_radius_ = 0, housing_height_ = 0, stop_ = 0;
+  double stop_stiffness_ = 0, restitution_ = 0;
+  std::unique_ptr<scene::CompiledScene> scene_;
+  std::vector<Eigen::Matrix3d> turned_;  ///< axes of each arm in the world
+  std::vector<Eigen::Vector3d> origin_;
+  RigidBody ring_, housing_;
+  Eigen::Vector3d ring_centre_ = Eigen::Vector3d::Zero();
+  std::vector<Arrow> arrows_;
+  solver::SpacePoint hub_, strut_;  ///< the ring's centre; from a point of the housing to one of the ring
+  std::shared_ptr<const solver::TermProblem> problem_;
+};
+
+}  // namespace snapwing::motion
