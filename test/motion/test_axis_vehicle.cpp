@@ -190,8 +190,8 @@ TEST(AxisVehicle, RefusesWhatItCannotDo) {
 }
 
 TEST(TrialFile, ShippedOnesLoadAndBadOnesAreRefusedByKey) {
-  for (const char* name :
-       {"boom_f_to_q", "boom_q_to_f", "free_f_to_q", "wings_f_to_q", "wings_f_to_q_hover", "wings_f_to_q_hold"}) {
+  for (const char* name : {"boom_f_to_q", "boom_q_to_f", "free_f_to_q", "wings_f_to_q", "wings_f_to_q_hover",
+                           "wings_f_to_q_hold", "free_six_weak_rotor"}) {
     EXPECT_EQ(loadTrial(test::sourceDir() + "/config/trials/" + name + ".yaml").name, name);
   }
   int paper = 0;
