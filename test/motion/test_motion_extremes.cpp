@@ -85,6 +85,42 @@ TEST(MotionExtremes, StepsThatFeedABarrierAreRefused) {
   }
 }
 
+/// In the plane and as a solid: an answer, or a reason.
+TEST(MotionExtremes, ANearlyIncompressibleArm) {
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  const vehicle::VehicleParameters parameters = vehicle::realise(vehicle, vehicle::armTableOf(vehicle));
+  vehicle::Trial trial;
+  trial.wings = false;
+  trial.initial_thrust_fraction = 0.0;
+  for (const int dimension : {2, 3}) {
+    vehicle.material.poisson_ratio.value = 0.4999;
+    AxisSettings settings;
+    settings.dimension = dimension;
+    settings.cell_size = 0.0025;
+    if (dimension == 3) settings.kernel = scene::SceneKernel::LINEAR_REDUCED;
+    try {
+      const AxisVehicle soft(vehicle, parameters, trial, settings);
+      StepperSettings steps;
+      steps.largest_step = 2e-3;
+      steps.relative_tolerance = 1e-6;
+      Stepper stepper(soft.problem(), Scheme(SchemeKind::MIDPOINT), steps);
+      MotionState state = soft.start(vehicle::Mode::FIXED_WING, 0);
+      while (state.time < 0.05) {
+        stepper.step(state, 0.05, [&](double, double) { return Eigen::VectorXd::Constant(1, 20.0); });
+        ASSERT_TRUE(std::isfinite(soft.travel(state)) && std::isfinite(state.stored));
+      }
+      EXPECT_GT(soft.travel(state), 0.002) << dimension;
+      EXPECT_LT(soft.travel(state), 0.08) << dimension;
+    } catch (const common::Error& error) {
+      const std::string reason = error.what();
+      EXPECT_TRUE(reason.find("no equilibrium at") != std::string::npos ||
+                  reason.find("failed at") != std::string::npos ||
+                  reason.find("second equilibrium") != std::string::npos)
+          << reason;
+    }
+  }
+}
+
 /// The centre strikes the upper stop at 5 m/s: it comes back with about its restitution, and no energy is made.
 TEST(MotionExtremes, AStrikeOnTheStopAtFiveMetresASecond) {
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
