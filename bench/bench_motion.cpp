@@ -74,7 +74,7 @@ vehicle::ForceTable curveOf(const vehicle::Vehicle& vehicle, const vehicle::Forc
   axis.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   axis.cell_size = trial.cell_size;
   axis.kernel = trial.kernel;
-  if (axis.dimension == 2) axis.coarsening_power = elasticity::DensityInterpolation().power;
+  axis.coarsening_power = elasticity::DensityInterpolation().power;
   return motion::AxisVehicle(vehicle, vehicle::realise(vehicle, table), trial.trial, axis).staticTable();
 }
 
