@@ -38,9 +38,9 @@ PotentialSample LoadedBasins::sample(double travel, double specific_force) const
   return s;
 }
 
-// Zero of force - load between two travels where it has opposite signs: Newton kept inside the bracket.
-double LoadedBasins::solveForce(const RelativeLoad& load, double low, double high, double guess) const {
-  const bool rising = sample(low, load.specific_force).force < load.force;
+// Zero of force - load between two travels, of a force that rises or falls from one to the other: Newton kept inside
+// the bracket. Which of both is not judged by an end: the zero may lie right there.
+double LoadedBasins::solveForce(bool rising, const RelativeLoad& load, double low, double high, double guess) const {
   double u = guess > low && guess < high ? guess : 0.5 * (low + high);
   for (int i = 0; i < 80; ++i) {
     const PotentialSample here = sample(u, load.specific_force);
@@ -98,13 +98,13 @@ bool LoadedBasins::equilibrium(vehicle::Mode mode, const RelativeLoad& load, dou
     if (load.force >= b.peak_force) return false;
     double low = std::min(equilibria_.first, b.peak_travel), reach = 1e-3;
     while (sample(low, load.specific_force).force > load.force) low -= (reach *= 2);
-    *travel = solveForce(load, low, b.peak_travel, NAN);
+    *travel = solveForce(true, load, low, b.peak_travel, NAN);
     return true;
   }
   if (load.force <= b.valley_force) return false;
   double high = std::max(equilibria_.second, b.valley_travel), reach = 1e-3;
   while (sample(high, load.specific_force).force < load.force) high += (reach *= 2);
-  *travel = solveForce(load, b.valley_travel, high, NAN);
+  *travel = solveForce(true, load, b.valley_travel, high, NAN);
   return true;
 }
 
@@ -127,7 +127,7 @@ LoadedBarrier LoadedBasins::barrierUnder(const RelativeLoad& load, double guess)
     barrier.excess = (b.valley_force - load.force) * (b.valley_travel - equilibria_.barrier);
   } else {
     barrier.exists = true;
-    barrier.travel = solveForce(load, b.peak_travel, b.valley_travel, guess);
+    barrier.travel = solveForce(false, load, b.peak_travel, b.valley_travel, guess);
   }
   return barrier;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "snapwing/common/bisection.h"
+
 namespace snapwing::rom {
 
 namespace {
@@ -25,14 +27,8 @@ struct StepCubic {
 
 /// Zero of a function that changes sign on [0, 1], to rounding of the step's share.
 template <typename Function>
-double bisectShare(const Function& function) {
-  double low = 0, high = 1;
-  const bool rising = function(0.0) < 0;
-  for (int i = 0; i < 52; ++i) {
-    const double middle = 0.5 * (low + high);
-    ((function(middle) < 0) == rising ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+double zeroOfShare(const Function& function) {
+  return common::bisect(function, 0.0, 1.0, 52);
 }
 
 constexpr double LARGEST_MARGIN = 10.0;
@@ -98,18 +94,18 @@ void MarginWatch::add(const LumpedState& next) {
                         last_load_.specific_force + s * (load.specific_force - last_load_.specific_force)};
   };
   if ((last_.travel < equilibria_.barrier) != (next.travel < equilibria_.barrier)) {
-    const double s = bisectShare([&](double share) { return cubic.travel(share) - equilibria_.barrier; });
+    const double s = zeroOfShare([&](double share) { return cubic.travel(share) - equilibria_.barrier; });
     crossing_time_ = last_.time + s * cubic.dt;
   }
   if ((cubic.w0 < 0) != (cubic.w1 < 0) && cubic.w0 != 0) {
-    const double turning = cubic.travel(bisectShare([&](double s) { return cubic.rate(s); }));
+    const double turning = cubic.travel(zeroOfShare([&](double s) { return cubic.rate(s); }));
     peak_ = std::max(peak_, turning);
     least_ = std::min(least_, turning);
   }
   const LoadedBarrier barrier = basins_.barrierUnder(load, last_barrier_.travel);
   const vehicle::Mode side = barrier.sideOf(next.travel);
   if (side != side_) {
-    const double at = bisectShare([&](double s) {
+    const double at = zeroOfShare([&](double s) {
       return basins_.barrierUnder(load_at(s)).sideOf(cubic.travel(s)) == vehicle::Mode::FIXED_WING ? -1.0 : 1.0;
     });
     const double barrier_rate = (barrier.travel - last_barrier_.travel) / cubic.dt;

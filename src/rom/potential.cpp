@@ -2,36 +2,23 @@
 
 #include <cmath>
 
+#include "snapwing/common/bisection.h"
+
 namespace snapwing::rom {
 
 namespace {
 
+constexpr int HALVINGS = 100;
+constexpr double WIDTH = 1e-15;  // [m]
+
 // Zero of the force between two travels of opposite sign.
-double bisectZero(const Potential& potential, double low, double high) {
-  const bool rising = potential.at(low).force < 0;
-  for (int i = 0; i < 100 && high - low > 1e-15; ++i) {
-    const double middle = 0.5 * (low + high);
-    if ((potential.at(middle).force < 0) == rising) {
-      low = middle;
-    } else {
-      high = middle;
-    }
-  }
-  return 0.5 * (low + high);
+double zeroOfForce(const Potential& potential, double low, double high) {
+  return common::bisect([&](double u) { return potential.at(u).force; }, low, high, HALVINGS, WIDTH);
 }
 
 // Zero of the stiffness around u: extremum of the force, refined between the scan's neighbours.
 double refineExtremum(const Potential& potential, double low, double high) {
-  const bool rising = potential.at(low).stiffness < 0;
-  for (int i = 0; i < 100 && high - low > 1e-15; ++i) {
-    const double middle = 0.5 * (low + high);
-    if ((potential.at(middle).stiffness < 0) == rising) {
-      low = middle;
-    } else {
-      high = middle;
-    }
-  }
-  return 0.5 * (low + high);
+  return common::bisect([&](double u) { return potential.at(u).stiffness; }, low, high, HALVINGS, WIDTH);
 }
 
 double extremeForce(const Potential& potential, double from, double to, int count, bool largest, double* travel) {
@@ -64,7 +51,7 @@ Equilibria findEquilibria(const Potential& potential, double low, double high, i
     const double right = potential.at(u).force;
     const bool rises = left < 0 && right >= 0;
     const bool falls = left >= 0 && right < 0;
-    if ((found != 1 && rises) || (found == 1 && falls)) zeros[found++] = bisectZero(potential, u - h, u);
+    if ((found != 1 && rises) || (found == 1 && falls)) zeros[found++] = zeroOfForce(potential, u - h, u);
     left = right;
   }
   if (found > 0) result.first = zeros[0];

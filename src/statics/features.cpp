@@ -4,6 +4,8 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
+#include "snapwing/common/bisection.h"
+
 namespace snapwing::statics {
 
 std::string featureName(FeatureKind kind) {
@@ -122,13 +124,7 @@ class StableInterval {
   }
   double root(bool zero) const {
     const auto value = [&](double s) { return zero ? force(s) : stiffness(s); };
-    double low = 0, high = 1;
-    const bool negative = value(0) < 0;
-    for (int k = 0; k < 50; ++k) {
-      const double middle = 0.5 * (low + high);
-      ((value(middle) < 0) == negative ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
+    return common::bisect(value, 0.0, 1.0, 50);
   }
 
   /// Polynomial through the solutions of the up to four nearest points of displacement control.

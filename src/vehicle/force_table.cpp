@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <utility>
 
+#include "snapwing/common/bisection.h"
 #include "snapwing/common/error.h"
 
 namespace snapwing::vehicle {
@@ -69,17 +69,6 @@ class ForceInterpolant {
   const ForceTable& t_;
 };
 
-/// Where f changes sign within [0, 1], given that it does between the ends.
-double bisect(const std::function<double(double)>& f) {
-  double low = 0, high = 1;
-  const bool low_negative = f(low) < 0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    ((f(middle) < 0) == low_negative ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
 /// A place on the curve: interval and fraction.
 struct Place {
   std::size_t k = 0;
@@ -93,7 +82,7 @@ Place firstChange(const ForceInterpolant& curve, std::size_t from, bool falling,
   for (std::size_t k = from; k < curve.intervals(); ++k) {
     const double a = (curve.*f)(k, 0), b = (curve.*f)(k, 1);
     const bool changes = falling ? (a > 0 && b <= 0) : (a < 0 && b >= 0);
-    if (changes) return {k, bisect([&](double s) { return (curve.*f)(k, s); }), true};
+    if (changes) return {k, common::bisect([&](double s) { return (curve.*f)(k, s); }, 0.0, 1.0, 60), true};
   }
   return {};
 }

@@ -47,6 +47,26 @@ TEST(QuarticSwitching, ImpulseLimit) {
   EXPECT_FALSE(passes(Mode::FIXED_WING, force, 0.99 * impulse / force));
 }
 
+/// Equilibria that are exact in floating point: the force of the start is then equal to no load, to the last bit.
+class ExactQuartic : public testing::Quartic {
+ public:
+  ExactQuartic() : exact_(testing::Quartic::equilibria()) { exact_.first = 0, exact_.barrier = 1, exact_.second = 2; }
+  const Equilibria& equilibria() const override { return exact_; }
+
+ private:
+  Equilibria exact_;
+};
+
+TEST(QuarticSwitching, AStartWithoutALoadIsTheUnloadedEquilibrium) {
+  ASSERT_EQ(ExactQuartic().at(0.0).force, 0.0);
+  vehicle::VehicleParameters p;
+  p.ring_mass = p.centre_mass = 2.0;
+  p.max_thrust = 1.0, p.time_constant_up = p.time_constant_down = 1e-9;
+  const LumpedModel model(std::make_shared<ExactQuartic>(), p, 0.0, {});
+  EXPECT_NEAR(model.startState(Mode::FIXED_WING, {}).travel, 0.0, 1e-12);
+  EXPECT_NEAR(model.startState(Mode::QUADROTOR, {}).travel, 2.0, 1e-12);
+}
+
 TEST(QuarticSwitching, BackByStorageAndRebound) {
   const double table[][3] = {{1.60, 1.515637, 1.892531}, {2.0, 1.026201, 2.251293}, {3.0, 0.636621, 2.392453}};
   for (const auto& row : table) {

@@ -61,7 +61,7 @@ class LoadedBasins {
     double travel, force, coupled_mass;
   };
   PotentialSample sample(double travel, double specific_force) const;
-  double solveForce(const RelativeLoad& load, double low, double high, double guess) const;
+  double solveForce(bool rising, const RelativeLoad& load, double low, double high, double guess) const;
   Branch branch(double specific_force) const;
   double extremum(const std::vector<Point>& points, double specific_force, bool largest) const;
 
