@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "snapwing/common/bisection.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
 #include "snapwing/vehicle/rotor_lag.h"
@@ -27,12 +28,7 @@ struct Cubic {
     return s * s * (1 + 2 * t) * u0 + t * t * (3 - 2 * t) * u1 + h * t * s * (s * v0 - t * v1);
   }
   double crossing(double level) const {
-    double low = 0, high = 1;
-    for (int i = 0; i < 60; ++i) {
-      const double middle = 0.5 * (low + high);
-      ((at(middle) < level) == (u0 < level) ? low : high) = middle;
-    }
-    return from + 0.5 * (low + high) * h;
+    return from + h * common::bisect([&](double t) { return at(t) - level; }, 0.0, 1.0, 60);
   }
   /// Largest and smallest within the step.
   std::pair<double, double> range() const {
