@@ -241,16 +241,10 @@ std::vector<Check> checkTrials(const Validation& found, const vehicle::Vehicle& 
   return all;
 }
 
-namespace {
-
-constexpr char HELD_UPRIGHT[] = "ring held upright in F";  // of planning::accidentMargins
-
 bool mustSurvive(const vehicle::Vehicle& vehicle, const std::string& accident) {
   const auto& wanted = vehicle.must_survive;
   return std::find(wanted.begin(), wanted.end(), accident) != wanted.end();
 }
-
-}  // namespace
 
 std::vector<Check> checkCarried(const Validation& found, const vehicle::Vehicle& vehicle) {
   constexpr double SEARCH = 0.02;  // [N] of a limit from two searches that end within .01 N each
@@ -270,6 +264,7 @@ std::vector<Check> checkCarried(const Validation& found, const vehicle::Vehicle&
     std::snprintf(text, sizeof text, "; %.2f, %.2f N on two cell sizes", sizes[0]->threshold, sizes[1]->threshold);
     words += text;
   }
+  if (sizes[1] == nullptr) words += "; on one cell size alone, whose arm is stiffer than in the limit of small cells";
   for (const RungOutcome* one : sizes) {
     if (one != nullptr && !one->failure.empty()) words += "; " + one->failure;
   }

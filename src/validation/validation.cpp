@@ -164,11 +164,12 @@ std::vector<Check> checkOrigin(const std::vector<PlanFile>& plans, const vehicle
 }
 
 /// On cells of half the size: the nominal vehicle and its shortest pulse, and what did not switch on the coarser ones.
-/// @param trials  that have run
-std::vector<ValidationTrial> finerTwins(const std::vector<ValidationTrial>& trials) {
+/// @param trials  that have run; @param carried  what F carries gates, so that it needs an error bar
+std::vector<ValidationTrial> finerTwins(const std::vector<ValidationTrial>& trials, bool carried) {
   std::vector<ValidationTrial> twins;
   for (const ValidationTrial& t : trials) {
     if (t.trial.rung != TrialRung::PLANAR || t.role == TrialRole::HALF_STEP) continue;
+    if (t.role == TrialRole::CARRIED && !carried) continue;
     const bool search = t.role == TrialRole::THRESHOLD || t.role == TrialRole::CARRIED;
     if (search ? !std::isfinite(t.outcome.threshold) : t.role != TrialRole::NOMINAL && t.outcome.snapped) continue;
     ValidationTrial& twin = twins.emplace_back(t);
@@ -274,7 +275,7 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
   TrialRuns runs(runner, hooks, inputs);
   runs.run(found.trials, settings.threads);
   if (settings.extrapolate && !(hooks.cancelled && hooks.cancelled())) {
-    std::vector<ValidationTrial> twins = finerTwins(found.trials);
+    std::vector<ValidationTrial> twins = finerTwins(found.trials, mustSurvive(vehicle, HELD_UPRIGHT));
     runs.run(twins, settings.threads);
     found.trials.insert(found.trials.end(), twins.begin(), twins.end());
   }

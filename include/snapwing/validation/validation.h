@@ -76,6 +76,8 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
 
 /// The gate's answers for trials that have run; pure.
 std::vector<Check> checkTrials(const Validation& found, const vehicle::Vehicle& vehicle);
+constexpr char HELD_UPRIGHT[] = "ring held upright in F";  ///< of planning::accidentMargins
+bool mustSurvive(const vehicle::Vehicle& vehicle, const std::string& accident);
 /// Accidents: those of the file's must_survive gate, the others are told. @throws common::SettingError for one that is
 /// not known, or that states nothing that a vehicle meets, so that it would hold whatever its limit
 std::vector<Check> checkAccidents(const std::vector<planning::AccidentMargin>& accidents,
