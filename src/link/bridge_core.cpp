@@ -368,9 +368,7 @@ bool BridgeCore::inHold(double now) const { return now >= hold_start_ - TIME_SLA
 
 double BridgeCore::nextChange(double now) const { return inHold(now) ? pulse_end_ : hold_start_; }
 
-bool BridgeCore::changesWithin(double seconds, double now) const {
-  return inPulse() && nextChange(now) - now < seconds;
-}
+bool BridgeCore::changesSoon(double now) const { return inPulse() && nextChange(now) - now < QUIET_BEFORE_CHANGE; }
 
 void BridgeCore::noteLatency(double age) {
   count(status_.latency_histogram, std::max(age, 0.0));

@@ -21,9 +21,7 @@ constexpr int THRUST_WINDOW = 1;  ///< a frame with thrust leaves only when the 
 /// turn of the controller each, and the next is sent when the last was answered: nothing can pile up there.
 constexpr double PROOF_AFTER = 0.015;
 constexpr double PROOF_PATIENCE = 0.015;  ///< [s] beyond the frame's time, then the loop goes on without a frame
-/// [s] before a pulse's throttle changes in which no question is asked: one turn of the controller.
-constexpr double QUIET_BEFORE_CHANGE = 0.0115;
-constexpr double WINDOW_LIMIT = 0.1;  ///< [s] closed for longer: what is on its way is thrown away
+constexpr double WINDOW_LIMIT = 0.1;      ///< [s] closed for longer: what is on its way is thrown away
 
 bool speaksMsp(Protocol protocol) { return protocol == Protocol::MSP1 || protocol == Protocol::MSP2; }
 
@@ -123,7 +121,7 @@ double BridgeLoop::nextFrameTime(double now) const {
 
 double BridgeLoop::dueFrameTime(double now) const {
   if (readback_ && core_.inPulse() && !core_.urgent()) {
-    if (core_.changesWithin(QUIET_BEFORE_CHANGE, now)) return core_.nextChange(now);
+    if (core_.changesSoon(now)) return core_.nextChange(now);
     if (proof_ > last_frame_) return core_.earliestFrameTime();
     return std::min(core_.nextFrameTime() + PROOF_PATIENCE, core_.nextChange(now));
   }
@@ -136,7 +134,7 @@ double BridgeLoop::dueFrameTime(double now) const {
 
 bool BridgeLoop::proofDue(double now) const {
   return readback_ && core_.inPulse() && proof_ <= last_frame_ && !proof_asked_ && watch_.unansweredFrames() == 0 &&
-         !watch_.asking(now) && !core_.changesWithin(QUIET_BEFORE_CHANGE, now);
+         !watch_.asking(now) && !core_.changesSoon(now);
 }
 
 double BridgeLoop::nextWakeTime(double now) const {

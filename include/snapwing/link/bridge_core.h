@@ -58,9 +58,8 @@ class BridgeCore {
   double earliestFrameTime() const;
   /// [s] from when on a silent operator ends what he began; infinite while nothing is armed.
   double silentFrom() const;
-  /// A change of the pulse's throttle is due within so many seconds: nothing may go out now that the controller would
-  /// serve first.
-  bool changesWithin(double seconds, double now) const;
+  /// A change of the pulse's throttle is so near that nothing may go out now which the controller would serve first.
+  bool changesSoon(double now) const;
   /// A frame of a pulse was written, and the pulse is in force.
   bool inPulse() const { return status_.state == BridgeState::PULSE && pulse_begun_; }
   /// [s] while inPulse(): when its throttle changes next, by the hold's begin or by the end.
