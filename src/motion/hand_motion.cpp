@@ -4,6 +4,7 @@
 #include <random>
 
 #include "snapwing/common/require.h"
+#include "snapwing/common/uniform.h"
 
 namespace snapwing::motion {
 
@@ -24,10 +25,10 @@ HandMotion::HandMotion(const HandSettings& settings) {
   if (settings.swing > 0) waves_.push_back({settings.swing, 2 * pi * settings.swing_frequency, 0});
   if (!(settings.noise > 0)) return;
   std::mt19937_64 random(settings.seed);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) / 9007199254740992.0; };
   for (int k = 0; k < WAVES; ++k) {
-    const double rate = 2 * pi * (settings.low + (settings.high - settings.low) * (k + uniform()) / WAVES);
-    waves_.push_back({settings.noise * std::sqrt(2.0 / WAVES) / (rate * rate), rate, 2 * pi * uniform()});
+    const double rate =
+        2 * pi * (settings.low + (settings.high - settings.low) * (k + common::uniform(random)) / WAVES);
+    waves_.push_back({settings.noise * std::sqrt(2.0 / WAVES) / (rate * rate), rate, 2 * pi * common::uniform(random)});
   }
 }
 

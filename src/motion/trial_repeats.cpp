@@ -2,6 +2,7 @@
 #include <random>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/uniform.h"
 #include "snapwing/motion/trial_file.h"
 #include "snapwing/vehicle/vehicle_parameters.h"
 
@@ -9,22 +10,23 @@ namespace snapwing::motion {
 
 namespace {
 
-/// Uniform in [-1, 1], the same on every machine.
-double drawn(std::mt19937_64& random) { return 2.0 * static_cast<double>(random() >> 11) / 9007199254740992.0 - 1.0; }
-
 void varyLevel(TrialLevel& level, const TrialVariation& by, std::mt19937_64& random) {
   double& strength = level.throttle < 0 ? level.thrust : level.throttle;
-  strength = std::clamp(strength * (1 + by.strength * drawn(random)), 0.0, 1.0);
-  level.duration = std::max(0.0, level.duration + by.duration * drawn(random));
+  strength = std::clamp(strength * (1 + by.strength * common::uniformAbout0(random)), 0.0, 1.0);
+  level.duration = std::max(0.0, level.duration + by.duration * common::uniformAbout0(random));
+}
+
+std::vector<double> drawBox(std::mt19937_64& random) {
+  std::vector<double> box(vehicle::uncertainNames().size());
+  for (double& value : box) value = common::uniformAbout0(random);
+  return box;
 }
 
 }  // namespace
 
 std::vector<double> drawnBox(int seed) {
   std::mt19937_64 random(static_cast<std::uint64_t>(seed));
-  std::vector<double> box(vehicle::uncertainNames().size());
-  for (double& value : box) value = drawn(random);
-  return box;
+  return drawBox(random);
 }
 
 TrialFile repeatOf(const TrialFile& file, int index) {
@@ -41,10 +43,7 @@ TrialFile repeatOf(const TrialFile& file, int index) {
   std::mt19937_64 random(seeds);
   varyLevel(out.pulse, file.vary, random);
   for (TrialLevel& level : out.then) varyLevel(level, file.vary, random);
-  if (file.vary.vehicle) {
-    out.box.resize(vehicle::uncertainNames().size());
-    for (double& value : out.box) value = drawn(random);
-  }
+  if (file.vary.vehicle) out.box = drawBox(random);
   return out;
 }
 

@@ -5,13 +5,15 @@
 #include <cstdint>
 #include <random>
 
+#include "snapwing/common/uniform.h"
+
 namespace snapwing::planning {
 
 class RandomSource {
  public:
   explicit RandomSource(std::uint64_t seed) : engine_(seed) {}
   /// [0, 1)
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+  double uniform() { return common::uniform(engine_); }
   /// Standard normal, Box-Muller; both numbers of a pair are used.
   double normal() {
     if (has_spare_) {

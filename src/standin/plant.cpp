@@ -7,6 +7,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
+#include "snapwing/common/uniform.h"
 
 namespace snapwing::standin {
 
@@ -172,8 +173,7 @@ vehicle::VehicleParameters drawParameters(const vehicle::Vehicle& vehicle, const
                                           std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::vector<double> xi(vehicle::uncertainNames().size());
-  // Upper 53 bits: the same numbers with every standard library, unlike its distributions.
-  for (double& x : xi) x = 2.0 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1.0;
+  for (double& x : xi) x = common::uniformAbout0(engine);
   return vehicle::realise(vehicle, table, xi);
 }
 

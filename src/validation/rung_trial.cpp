@@ -176,7 +176,7 @@ double RungRunner::shortestSolid(const RungTrial& trial) const {
 }
 
 double RungRunner::carriedLumped(const RungTrial& trial) const {
-  const rom::LumpedModel model = rom::LumpedModel::fromVehicle(vehicle_, table_, parametersOf(trial), {}, wing_);
+  const rom::LumpedModel model = lumpedOf(trial);
   return rom::LoadedBasins(model.potential(), model.inertiaOf(trial.trial)).limit(trial.start, trial.trial.gravity);
 }
 

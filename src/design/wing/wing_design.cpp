@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/uniform.h"
 #include "wing_local_search.h"
 
 namespace snapwing::design {
@@ -23,7 +24,7 @@ constexpr std::size_t RUNNERS_UP = 8;
 double penalised(const WingEvaluation& e) { return e.objective + PENALTY * e.constraints.cwiseMax(0.0).squaredNorm(); }
 
 /// Uniform in [0, 1) with the same bits everywhere; the library's distributions differ between implementations.
-double uniform(std::mt19937_64* rng) { return static_cast<double>((*rng)() >> 11) * 0x1.0p-53; }
+double uniform(std::mt19937_64* rng) { return common::uniform(*rng); }
 
 bool buildable(const FourBar& bar) {
   return bar.crankLength() > bar.min_bar_length && bar.couplerLength() > bar.min_bar_length &&
