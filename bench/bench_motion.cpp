@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
       lumped.rung = motion::TrialRung::LUMPED;
       lumped.resolution = 2e-5;
       const double shipped = runner.shortest(lumped).threshold;
-      lumped.curve = &own;
+      lumped.curve = own;
       const double expected = runner.shortest(lumped).threshold;
       trial.near = expected;
       const validation::RungOutcome found = runner.shortest(trial);

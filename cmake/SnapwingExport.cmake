@@ -1,8 +1,8 @@
-# find_package(snapwing) for programs of others: snapwing::common, snapwing::statics ... one target per floor, from an
+# find_package(snapwing) for programs of others: snapwing::common, snapwing::statics ... one target per layer, from an
 # installed package or from catkin's devel space. With catkin the package file is catkin's and includes this one's targets.
 foreach(library ${snapwing_libraries})
-  string(REGEX REPLACE "^snapwing_" "" floor ${library})
-  set_target_properties(${library} PROPERTIES EXPORT_NAME ${floor})
+  string(REGEX REPLACE "^snapwing_" "" layer ${library})
+  set_target_properties(${library} PROPERTIES EXPORT_NAME ${layer})
 endforeach()
 if(SNAPWING_WITH_ROS)
   set(snapwing_cmake ${snapwing_share}/cmake)

@@ -1,4 +1,4 @@
-# Helpers that keep each floor's CMakeLists.txt to its sources and what it stands on.
+# Helpers that keep each layer's CMakeLists.txt to its sources and what it stands on.
 include(GoogleTest)
 
 set(SNAPWING_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
@@ -23,16 +23,16 @@ if(SNAPWING_TESTS)
                       LINKS Eigen3::Eigen GTest::gtest)
 endif()
 
-# snapwing_add_floor(<floor> SOURCES a.cpp ... STANDS_ON <target> ...)
-function(snapwing_add_floor floor)
+# snapwing_add_layer(<layer> SOURCES a.cpp ... STANDS_ON <target> ...)
+function(snapwing_add_layer layer)
   cmake_parse_arguments(ARG "" "" "SOURCES;STANDS_ON" ${ARGN})
-  add_library(snapwing_${floor} SHARED ${ARG_SOURCES})
-  target_include_directories(snapwing_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+  add_library(snapwing_${layer} SHARED ${ARG_SOURCES})
+  target_include_directories(snapwing_${layer} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(snapwing_${floor} PUBLIC ${ARG_STANDS_ON})
-  snapwing_compile_settings(snapwing_${floor})
-  snapwing_precompile(snapwing_${floor} library ${ARG_STANDS_ON})
-  set_property(GLOBAL APPEND PROPERTY SNAPWING_LIBRARIES snapwing_${floor})
+  target_link_libraries(snapwing_${layer} PUBLIC ${ARG_STANDS_ON})
+  snapwing_compile_settings(snapwing_${layer})
+  snapwing_precompile(snapwing_${layer} library ${ARG_STANDS_ON})
+  set_property(GLOBAL APPEND PROPERTY SNAPWING_LIBRARIES snapwing_${layer})
 endfunction()
 
 # snapwing_add_program(<name> SOURCES a.cpp ... LINKS <target> ...): runs without ROS; in a catkin build it lies where

@@ -1,11 +1,11 @@
-"""Refuses includes that go up or sideways in the house of floors, and ROS headers in the core."""
+"""Refuses includes that go up or sideways in the house of layers, and ROS headers in the core."""
 import pathlib
 import re
 import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-# What each floor stands on directly; it may include these and all that they stand on.
+# What each layer stands on directly; it may include these and all that they stand on.
 STANDS_ON = {
     "common": [],
     "vehicle": ["common"],
@@ -25,58 +25,58 @@ STANDS_ON = {
     "ros": ["pipeline", "link", "standin"],
     "tools": ["pipeline", "link"],
 }
-# Folders of the floor `design`, each with those that it may include.
+# Folders of the layer `design`, each with those that it may include.
 FOLDERS = {"design/optim": [], "design/arm": ["design/optim"], "design/wing": ["design/optim", "design/arm"]}
-# Programs may read the vehicle file, whatever their floor's library knows.
+# Programs may read the vehicle file, whatever their layer's library knows.
 PROGRAMS = {"link": ["vehicle"]}
-FEWEST_FILES = 300  # of the floors; fewer means that the folders have moved and nothing is looked at
+FEWEST_FILES = 300  # of the layers; fewer means that the folders have moved and nothing is looked at
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 ROS_HEADER = re.compile(r"^(ros|tf2|tf2_ros|actionlib|std_msgs|geometry_msgs|sensor_msgs|visualization_msgs)/")
 
 
-def below(floor):
-    found = {floor}
-    for lower in STANDS_ON[floor]:
+def below(layer):
+    found = {layer}
+    for lower in STANDS_ON[layer]:
         found |= below(lower)
     return found
 
 
-BELOW = {floor: below(floor) for floor in STANDS_ON}
+BELOW = {layer: below(layer) for layer in STANDS_ON}
 
 
 def sources(root):
-    """(floor, path) of every C++ file below `root`."""
+    """(layer, path) of every C++ file below `root`."""
     for top in ("include/snapwing", "src"):
-        for floor in STANDS_ON:
-            for path in sorted((root / top / floor).rglob("*")):
+        for layer in STANDS_ON:
+            for path in sorted((root / top / layer).rglob("*")):
                 if path.suffix in (".h", ".cpp"):
-                    yield floor, path
+                    yield layer, path
 
 
 def unknown_folders(root):
-    """Folders beside the floors that the rules do not know."""
+    """Folders beside the layers that the rules do not know."""
     return sorted(str(path.relative_to(root)) for top in ("include/snapwing", "src") if (root / top).is_dir()
                   for path in (root / top).iterdir() if path.is_dir() and path.name not in STANDS_ON)
 
 
-def forbidden(floor, path, header):
+def forbidden(layer, path, header):
     parts = header.split("/")
     if parts[0] != "snapwing":
-        return floor != "ros" and bool(ROS_HEADER.match(header))
+        return layer != "ros" and bool(ROS_HEADER.match(header))
     if len(parts) == 2:
-        return floor != "ros"  # a message
-    allowed = BELOW[floor] | set(PROGRAMS.get(floor, []) if "programs" in path.parts else [])
+        return layer != "ros"  # a message
+    allowed = BELOW[layer] | set(PROGRAMS.get(layer, []) if "programs" in path.parts else [])
     if parts[1] not in allowed:
         return True
-    own = f"{floor}/{path.parent.name}"
+    own = f"{layer}/{path.parent.name}"
     folder = "/".join(parts[1:3])
     return own in FOLDERS and folder in FOLDERS and folder not in FOLDERS[own] + [own]
 
 
 def violations(root):
-    """Every include that its floor may not have, as "file: header"."""
-    return [f"{path.relative_to(root)}: {header}" for floor, path in sources(root)
-            for header in INCLUDE.findall(path.read_text()) if forbidden(floor, path, header)]
+    """Every include that its layer may not have, as "file: header"."""
+    return [f"{path.relative_to(root)}: {header}" for layer, path in sources(root)
+            for header in INCLUDE.findall(path.read_text()) if forbidden(layer, path, header)]
 
 
 class Includes(unittest.TestCase):
@@ -89,7 +89,7 @@ class Includes(unittest.TestCase):
     def test_the_floors_were_looked_at(self):
         files = list(sources(ROOT))
         self.assertGreater(len(files), FEWEST_FILES)
-        built = {floor for floor, _ in files}
+        built = {layer for layer, _ in files}
         self.assertEqual(set(STANDS_ON) - built - {"motion", "validation"}, set())
 
     def test_an_upward_include_is_found(self):

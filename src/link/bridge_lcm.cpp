@@ -81,7 +81,7 @@ bool BridgeLcm::queue(const LcmDatagram& datagram, Inbound::Kind kind, Plain Inb
   const bool good =
       sealer_.unwrap(std::string(datagram.channel), datagram.data, datagram.size, wire) && fromLcm(wire, item.*member);
   const std::size_t keep_free = kind == Inbound::Kind::ABORT ? 0 : KEPT_FOR_ABORT;
-  if (!good || !inbox_.push(item, keep_free)) return false;
+  if (!good || !inbox_->push(item, keep_free)) return false;
   raiseEvent(arrival_);
   return true;
 }
@@ -120,7 +120,7 @@ void BridgeLcm::publish() {
       const ssize_t ignored = read(event_, &count, sizeof count);
       (void)ignored;
     }
-    while (outbox_.pop(item)) publishOne(item);
+    while (outbox_->pop(item)) publishOne(item);
   }
 }
 

@@ -68,9 +68,9 @@ WireFrame BridgeLoop::encodeFrame(Protocol protocol, const Channels& channels) {
 
 WireFrame BridgeLoop::safeFrame(Protocol protocol) { return encodeFrame(protocol, safeChannels()); }
 
-void BridgeLoop::publishTo(GuardianRecord& record) {
-  record_ = &record;
-  transport_.publishOpenBytes(record.open_bytes);
+void BridgeLoop::publishTo(std::shared_ptr<GuardianRecord> record) {
+  record_ = std::move(record);
+  transport_->publishOpenBytes({record_, &record_->open_bytes});
 }
 
 void BridgeLoop::drainInbox(double now) {
@@ -83,13 +83,13 @@ void BridgeLoop::drainInbox(double now) {
 }
 
 void BridgeLoop::updateConnection(double now) {
-  transport_.maintain(now);
-  if (transport_.connected() && transport_.connections() != seen_connections_) {
-    seen_connections_ = transport_.connections();
+  transport_->maintain(now);
+  if (transport_->connected() && transport_->connections() != seen_connections_) {
+    seen_connections_ = transport_->connections();
     parser_.reset();
     watch_.connected(now);
   }
-  if (!transport_.connected()) watch_.disconnected();
+  if (!transport_->connected()) watch_.disconnected();
   ControllerState state = watch_.state();
   state.readback = readback_;
   if (!readback_) state.known = state.connected;
@@ -100,7 +100,7 @@ void BridgeLoop::updateConnection(double now) {
 bool BridgeLoop::windowOpen(double now) {
   const bool thrust = core_.status().commanded_throttle > 0.0;
   const bool proven = !readback_ || !core_.inPulse() || proof_ > last_frame_;
-  if (thrust && !(proven && transport_.empty())) return false;
+  if (thrust && !(proven && transport_->empty())) return false;
   const int window = thrust ? THRUST_WINDOW : WINDOW;
   if (!readback_ || watch_.unansweredFrames() < window) {
     window_closed_since_ = -1;
@@ -108,10 +108,10 @@ bool BridgeLoop::windowOpen(double now) {
   }
   if (window_closed_since_ < 0) window_closed_since_ = now;
   if (now - window_closed_since_ <= WINDOW_LIMIT) return false;
-  transport_.discard();
+  transport_->discard();
   watch_.forgetFrames();
   window_closed_since_ = -1;
-  return transport_.connected();
+  return transport_->connected();
 }
 
 /// An operator's silence is noticed by a frame, which is then low and waits for nothing.
@@ -159,7 +159,8 @@ void BridgeLoop::frame(double now) {
   const bool active = state == BridgeState::ARMED || state == BridgeState::PULSE;
   if (active) record_->active = true;
   const WireFrame wire = encodeFrame(protocol_, channels);
-  const bool written = transport_.connected() && windowOpen(now) && transport_.write(wire.bytes.data(), wire.size, now);
+  const bool written =
+      transport_->connected() && windowOpen(now) && transport_->write(wire.bytes.data(), wire.size, now);
   core_.onSent(written, now);
   if (written) {
     watch_.noteFrame();
@@ -177,13 +178,13 @@ void BridgeLoop::ask(double now, bool always) {
   if (!readback_ || !watch_.nextRequest(now, question, always)) return;
   std::array<std::uint8_t, 16> bytes;
   const std::size_t size = encodeMsp(question, bytes.data(), bytes.size());
-  transport_.write(bytes.data(), size, now);
+  transport_->write(bytes.data(), size, now);
 }
 
 void BridgeLoop::receive(double now) {
-  transport_.finish();
+  transport_->finish();
   std::array<std::uint8_t, 512> bytes;
-  while (const std::size_t got = transport_.read(bytes.data(), bytes.size())) {
+  while (const std::size_t got = transport_->read(bytes.data(), bytes.size())) {
     for (std::size_t i = 0; i < got; ++i) {
       if (!parser_.push(bytes[i])) continue;
       watch_.onPacket(parser_.packet(), now);

@@ -219,10 +219,11 @@ class GuardianLoop {
 Guardian::Guardian(Protocol protocol, double frame_period, int priority, const LogWriter& log) {
   void* memory = mmap(nullptr, sizeof(GuardianRecord), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   int ends[2];
-  if (memory == MAP_FAILED || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
+  if (memory == MAP_FAILED) throw common::Error(std::string("no guardian: ") + std::strerror(errno));
+  record_ = {new (memory) GuardianRecord, [](GuardianRecord* record) { munmap(record, sizeof *record); }};
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) {
     throw common::Error(std::string("no guardian: ") + std::strerror(errno));
   }
-  record_ = new (memory) GuardianRecord;
   still_limit_ = std::max(5, static_cast<int>(0.1 / frame_period));
   const pid_t bridge = getpid();
   pid_ = fork();
@@ -238,7 +239,6 @@ Guardian::Guardian(Protocol protocol, double frame_period, int priority, const L
   if (record_->guardian_beat == 0) throw common::Error("no guardian: it did not start (a kernel before 5.3?)");
 }
 
-/// The record stays mapped: loop and line write to it until they are gone.
 Guardian::~Guardian() { close(socket_); }
 
 void Guardian::holdLine(int descriptor, int connection) {

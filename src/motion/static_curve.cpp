@@ -61,8 +61,8 @@ StaticCurve::StaticCurve(const scene::CompiledScene& scene, double to, double st
 }
 
 void StaticCurve::follow(double to, double step) {
-  solver::EquilibriumSolver solver(scene_.problem(), tolerances());
-  solver::Equilibrium x = solver.start(Eigen::VectorXd::Zero(scene_.problem().freeCount()), 0);
+  solver::EquilibriumSolver solver(scene_->problem(), tolerances());
+  solver::Equilibrium x = solver.start(Eigen::VectorXd::Zero(scene_->problem().freeCount()), 0);
   solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(0, result);
   solver.linearise(x);
@@ -91,7 +91,7 @@ StaticPoint StaticCurve::at(double control) const {
       std::min_element(points_.begin(), points_.end(), [&](const StaticPoint& a, const StaticPoint& b) {
         return std::abs(a.control - control) < std::abs(b.control - control);
       });
-  solver::EquilibriumSolver solver(scene_.problem(), tolerances());
+  solver::EquilibriumSolver solver(scene_->problem(), tolerances());
   solver::Equilibrium x = solver.start(nearest->z + (control - nearest->control) * nearest->slope, control);
   const solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(control, result);

@@ -183,8 +183,7 @@ void saveTrialCheckpoint(const AxisRun& run, const std::string& hash, const std:
 }
 
 AxisRun loadTrialCheckpoint(const std::string& path, const std::string& hash) {
-  const std::string bytes = common::loadCheckpointBytes(path, MAGIC, hash, "another trial or vehicle");
-  BytesReader reader(bytes, path);
+  BytesReader reader(common::loadCheckpointBytes(path, MAGIC, hash, "another trial or vehicle"), path);
   return take(reader);
 }
 

@@ -16,7 +16,7 @@ struct Cancelled {};
 
 class ArmStages {
  public:
-  /// Keeps a reference to the hooks. @throws common::Error for bad input
+  /// @throws common::Error for bad input
   ArmStages(const DesignPipelineSettings& settings, const DesignPipelineHooks& hooks);
   bool optimises() const { return given_.empty(); }
   int count() const { return optimises() ? 2 : 1; }
@@ -32,7 +32,7 @@ class ArmStages {
 
   design::ArmDesignSettings settings_;
   std::string settings_file_, given_;
-  const DesignPipelineHooks& hooks_;
+  DesignPipelineHooks hooks_;
   std::optional<design::ArmRun> run_;  ///< of this session
 };
 

@@ -24,7 +24,7 @@ struct BoxEnsembleOutcome {
 
 class BoxEnsemble {
  public:
-  /// Keeps references. @param table  of one arm; @param curves  made of it and the wings; @param step  of the model [s]
+  /// @param table  of one arm; @param curves  made of it and the wings; @param step  of the model [s]
   BoxEnsemble(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
               const PlannerSettings& settings, double step);
 
@@ -53,10 +53,10 @@ class BoxEnsemble {
                               double give_up, int threads) const;
 
  private:
-  const vehicle::Vehicle& vehicle_;
-  const vehicle::ForceTable& table_;
-  const rom::VehicleCurves& curves_;
-  const PlannerSettings& settings_;
+  vehicle::Vehicle vehicle_;
+  vehicle::ForceTable table_;
+  rom::VehicleCurves curves_;
+  PlannerSettings settings_;
   rom::LumpedSettings model_settings_;
   rom::Ensemble ensemble_;
   std::vector<BoxPoint> points_;

@@ -156,8 +156,7 @@ TransitionPlan PulsePlanner::plan(vehicle::Mode start, vehicle::Mode target, con
 
 std::vector<RankedVehicle> PulsePlanner::weakest(vehicle::Mode start, const vehicle::Pulse& pulse,
                                                  const vehicle::Trial& trial, int count) const {
-  const std::function<bool()> never;
-  PulseSearch search(vehicle_, table_, curves_, settings_, start, trial, never);
+  PulseSearch search(vehicle_, table_, curves_, settings_, start, trial, {});
   search.addCorners(pulse);
   const std::vector<double> margins = search.check(pulse).margins;
   std::vector<int> order(margins.size());

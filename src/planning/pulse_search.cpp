@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlopt.hpp>
 #include <numeric>
+#include <utility>
 
 #include "snapwing/common/parallel.h"
 
@@ -15,11 +16,11 @@ constexpr int CANDIDATES = 12;  // pulses of the scan that may be returned to
 
 PulseSearch::PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                          const rom::VehicleCurves& curves, const PlannerSettings& settings, vehicle::Mode start,
-                         const vehicle::Trial& trial, const std::function<bool()>& cancelled)
+                         const vehicle::Trial& trial, std::function<bool()> cancelled)
     : settings_(settings),
       start_(start),
       trial_(trial),
-      cancelled_(cancelled),
+      cancelled_(std::move(cancelled)),
       ensemble_(vehicle, table, curves, settings, settings.model_step),
       checked_(vehicle, table, curves, settings, settings.model.step) {
   const int n = static_cast<int>(plannerCoordinateNames().size());

@@ -17,10 +17,9 @@ inline double gridValue(double low, double high, int index, int count) {
 /// One search: the ensemble grows by what the check finds.
 class PulseSearch {
  public:
-  /// All references must outlive the search.
   PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
               const PlannerSettings& settings, vehicle::Mode start, const vehicle::Trial& trial,
-              const std::function<bool()>& cancelled);
+              std::function<bool()> cancelled);
 
   /// Coarse scan; keeps its best pulses.
   void scan();
@@ -49,10 +48,10 @@ class PulseSearch {
   long predictions() const { return predictions_; }
 
  private:
-  const PlannerSettings& settings_;
+  PlannerSettings settings_;
   vehicle::Mode start_;
-  const vehicle::Trial& trial_;
-  const std::function<bool()>& cancelled_;
+  vehicle::Trial trial_;
+  std::function<bool()> cancelled_;
   BoxEnsemble ensemble_, checked_;
   std::vector<vehicle::Pulse> candidates_;
   int evaluations_ = 0;

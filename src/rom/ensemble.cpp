@@ -18,7 +18,7 @@ const common::Require require("ensemble");
 }  // namespace
 
 struct Ensemble::Data {
-  const VehicleCurves& curves;
+  VehicleCurves curves;
   vehicle::Radio radio;
   EnsembleSettings settings;
   UniformCurves grid;

@@ -12,14 +12,15 @@ constexpr int POINTS = 33;  // of a scan for an extremum; a parabola through thr
 }  // namespace
 
 LoadedBasins::LoadedBasins(const Potential& potential, const TravelInertia* moved)
-    : potential_(potential), moved_(moved), equilibria_(potential.equilibria()) {
+    : potential_(potential), equilibria_(potential.equilibria()) {
+  if (moved != nullptr) moved_.emplace(*moved);
   if (!equilibria_.bistable) throw common::Error("the force curve is not bistable: there is no second mode");
   if (!moved_) return;
   const auto scan = [&](double from, double to) {
     std::vector<Point> points;
     for (int i = 0; i < POINTS; ++i) {
       const double u = from + (to - from) * i / (POINTS - 1);
-      points.push_back({u, potential_.at(u).force, moved_->at(u).coupled_mass});
+      points.push_back({u, potential_->at(u).force, (*moved_)->at(u).coupled_mass});
     }
     return points;
   };
@@ -28,9 +29,9 @@ LoadedBasins::LoadedBasins(const Potential& potential, const TravelInertia* move
 }
 
 PotentialSample LoadedBasins::sample(double travel, double specific_force) const {
-  PotentialSample s = potential_.at(travel);
+  PotentialSample s = potential_->at(travel);
   if (moved_) {
-    const InertiaSample w = moved_->at(travel);
+    const InertiaSample w = (*moved_)->at(travel);
     s.energy += specific_force * w.mass_moment;
     s.force += specific_force * w.coupled_mass;
     s.stiffness += specific_force * w.coupled_slope;

@@ -49,7 +49,7 @@ LinkDiagnostics::LinkDiagnostics(const LinkWorker& worker, double interval) : wo
 }
 
 void LinkDiagnostics::diagnoseLink(Wrapper& out) {
-  const LinkSnapshot now = worker_.snapshot();
+  const LinkSnapshot now = worker_->snapshot();
   const link::BridgeStatus& status = now.status;
   const double rate = static_cast<double>(now.counters.statuses - last_.statuses) / interval_;
   const bool losing = now.counters.missed > last_.missed || now.counters.rejected > last_.rejected;
@@ -86,7 +86,7 @@ void LinkDiagnostics::diagnoseLink(Wrapper& out) {
 }
 
 void LinkDiagnostics::diagnoseController(Wrapper& out) {
-  const LinkSnapshot now = worker_.snapshot();
+  const LinkSnapshot now = worker_->snapshot();
   const link::ControllerState& controller = now.status.controller;
   const snapwing_lcm::telemetry_t& telemetry = now.telemetry;
   if (!controller.connected) {

@@ -113,7 +113,7 @@ class CompiledSceneOf : public CompiledScene {
       throw common::Error("scene '" + scene_.name +
                           "' has rigid bodies or cylinder pins; allowed for sensitivities: scenes without");
     }
-    SensitivityParts<D> parts{scene_, mirror_, *problem_, *cells_, *loads_, *weight_, {}};
+    SensitivityParts<D> parts{*this, scene_, mirror_, *problem_, *cells_, *loads_, *weight_, {}};
     const int dofs = cells_->dofCount();
     parts.monitors = Eigen::MatrixXd::Zero(dofs, static_cast<int>(scene_.monitors.size()));
     for (int k = 0; k < parts.monitors.cols(); ++k) {

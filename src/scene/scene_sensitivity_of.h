@@ -5,15 +5,18 @@
 
 #include "scene_cells.h"
 #include "scene_weight.h"
+#include "snapwing/common/loan.h"
+#include "snapwing/scene/scene_problem.h"
 #include "snapwing/scene/scene_sensitivity.h"
 #include "snapwing/solver/load_term.h"
 #include "snapwing/solver/sensitivity.h"
 
 namespace snapwing::scene {
 
-/// What a compiled scene shares with its sensitivities; all must outlive them.
+/// What a compiled scene, which lends itself for that, shares with its sensitivities.
 template <int D>
 struct SensitivityParts {
+  common::Loan<const CompiledScene> whole;
   const Scene& scene;
   const Mirror& mirror;
   const solver::TermProblem& problem;

@@ -61,7 +61,7 @@ EquilibriumSolver::EquilibriumSolver(const Problem& problem, const NewtonSetting
 }
 
 void EquilibriumSolver::setLine(ControlLine line) {
-  const Eigen::Index count = problem_.controlCount();
+  const Eigen::Index count = problem_->controlCount();
   one_control_ = count == 1 && line.direction.size() == 0;
   if (!one_control_ && (line.start.size() != count || line.direction.size() != count)) {
     throw common::Error("the line of controls has " + std::to_string(line.start.size()) + " and " +
@@ -97,9 +97,9 @@ Equilibrium EquilibriumSolver::start(const Eigen::VectorXd& z, double p) const {
 void EquilibriumSolver::evaluate(const Equilibrium& x, Order order, Evaluation& at) {
   const double begin = secondsNow();
   if (constraints_ != nullptr) {
-    problem_.evaluateLagrangian(x.z, controls(x.p(0)), x.multipliers, order, at);
+    problem_->evaluateLagrangian(x.z, controls(x.p(0)), x.multipliers, order, at);
   } else {
-    problem_.evaluate(x.z, controls(x.p(0)), order, at);
+    problem_->evaluate(x.z, controls(x.p(0)), order, at);
   }
   if (order != Order::ENERGY) alongLine(at);
   seconds_assembly_ += secondsNow() - begin;
@@ -110,7 +110,7 @@ bool EquilibriumSolver::closed(const Equilibrium& x) const {
 }
 
 bool EquilibriumSolver::balanced(const Equilibrium& x) const {
-  return x.at.residual.norm() <= residualTolerance(problem_, x.at, settings_) && closed(x);
+  return x.at.residual.norm() <= residualTolerance(*problem_, x.at, settings_) && closed(x);
 }
 
 NewtonResult EquilibriumSolver::minimise(Equilibrium& x) {
@@ -123,7 +123,7 @@ NewtonResult EquilibriumSolver::minimise(Equilibrium& x) {
 /// Bodies that turn are held by what their constraints bear: without it the first Hessian lacks the stiffness of all
 /// that hangs. Where nothing is known of the multipliers they are those that leave the smallest residual.
 void EquilibriumSolver::estimateMultipliers(Equilibrium& x) {
-  if (!problem_.curvedConstraints() || !x.multipliers.isZero(0)) return;
+  if (!problem_->curvedConstraints() || !x.multipliers.isZero(0)) return;
   constexpr double ROUNDING = 1e-12;
   evaluate(x, Order::TANGENT, x.at);
   if (!x.at.finite) return;
@@ -165,8 +165,8 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
   if (settings_.projection == Projection::ON_DEMAND) {
     ++result.factorizations;
     good = system_.factorizeDefinite(x.at.hessian, x.at.rows);
-    if (!good && problem_.energyFloor() > 0) {
-      good = factorizeShifted(system_, problem_.pattern(), x.at, result);
+    if (!good && problem_->energyFloor() > 0) {
+      good = factorizeShifted(system_, problem_->pattern(), x.at, result);
     }
   }
   if (!good) {
@@ -174,7 +174,7 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
     ++result.projections;
     ++result.factorizations;
     good = system_.factorizeDefinite(trial_.hessian, trial_.rows) ||
-           factorizeShifted(system_, problem_.pattern(), trial_, result);
+           factorizeShifted(system_, problem_->pattern(), trial_, result);
   }
   if (!good) return false;
   system_.solve(-x.at.residual, -x.at.constraint_residual, dz, dl);
@@ -185,7 +185,7 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
 /// With closed constraints whose rows are constant a step keeps them closed, and the energy decides on its length as
 /// without. Open ones are closed first, by the longest step that inverts no element.
 bool EquilibriumSolver::saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x) {
-  if (problem_.curvedConstraints()) return curvedStep(dz, dl, x);
+  if (problem_->curvedConstraints()) return curvedStep(dz, dl, x);
   if (closed(x)) {
     if (!newton_.lineSearch(controls(x.p(0)), x.multipliers, dz, x.z, x.at)) return false;
     alongLine(x.at);
@@ -223,7 +223,7 @@ NewtonResult EquilibriumSolver::saddle(Equilibrium& x) {
   NewtonResult result;
   estimateMultipliers(x);
   evaluate(x, Order::TANGENT, x.at);
-  if (!x.at.finite) return inverted(problem_, x.at, result);
+  if (!x.at.finite) return inverted(*problem_, x.at, result);
   Eigen::VectorXd dz, dl;
   for (int iteration = 0;; ++iteration) {
     result.residual = x.at.residual.norm();
@@ -244,7 +244,7 @@ NewtonResult EquilibriumSolver::saddle(Equilibrium& x) {
     if (!saddleStep(dz, dl, x)) {
       std::ostringstream text;
       text << "no shorter step lowers the energy; |r| = " << result.residual
-           << " N, smallest det F = " << x.at.min_det_f << " in " << problem_.describeCell(x.at.min_det_f_cell);
+           << " N, smallest det F = " << x.at.min_det_f << " in " << problem_->describeCell(x.at.min_det_f_cell);
       return finish(result, SolveStatus::LINE_SEARCH_FAILED, text.str());
     }
   }
@@ -264,7 +264,7 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
   Eigen::VectorXd a, a_multipliers;
   for (int iteration = 0; iteration <= CORRECTOR_ITERATIONS; ++iteration) {
     evaluate(x, Order::TANGENT, x.at);
-    if (!x.at.finite) return inverted(problem_, x.at, result);
+    if (!x.at.finite) return inverted(*problem_, x.at, result);
     result.residual = x.at.residual.norm();
     const double gap_on_plane =
         plane.distance - plane.normal.dot(x.z - plane.origin) - plane.control_normal * (x.p(0) - plane.control);
@@ -294,7 +294,7 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
 int EquilibriumSolver::linearise(Equilibrium& x) {
   Eigen::VectorXd control_part;
   const Eigen::VectorXd along = driven();
-  problem_.controlTangent(x.at, along, x.load, control_part);
+  problem_->controlTangent(x.at, along, x.load, control_part);
   x.control_curvature = along.dot(control_part);
   x.negative_pivots = system_.factorize(x.at);
   x.slope = Eigen::VectorXd::Zero(x.z.size());
@@ -319,9 +319,9 @@ int EquilibriumSolver::lineariseNear(Equilibrium& x) {
   if (constraints_ != nullptr || !(cholesky.distance(x.at.hessian) < NEAR)) return linearise(x);
   Eigen::VectorXd control_part;
   const Eigen::VectorXd along = driven();
-  problem_.controlTangent(x.at, along, x.load, control_part);
+  problem_->controlTangent(x.at, along, x.load, control_part);
   const CgResult cg =
-      conjugateGradients(problem_.pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
+      conjugateGradients(problem_->pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
   if (!cg.converged) return linearise(x);
   x.multiplier_slope.resize(0);
   x.control_curvature = along.dot(control_part);
@@ -365,7 +365,7 @@ bool EquilibriumSolver::supported(const Equilibrium& x) const {
   softestMode(x, mode, 4);
   if (!mode.allFinite()) return false;
   // The energy of the motion against the terms that cancel in it where nothing resists.
-  const SparsePattern& pattern = problem_.pattern();
+  const SparsePattern& pattern = problem_->pattern();
   double terms = 0;
   for (int c = 0; c < pattern.size; ++c) terms += std::abs(x.at.hessian[pattern.start[c]]) * mode(c) * mode(c);
   return std::abs(mode.dot(pattern.multiply(x.at.hessian, mode))) > ROUNDING * terms;

@@ -61,9 +61,9 @@ Newton::Newton(const Problem& problem, NewtonSettings settings)
 void Newton::evaluate(const Eigen::VectorXd& z, const Held& held, Order order, Evaluation& at) {
   const double begin = secondsNow();
   if (held.multipliers.size() == 0) {
-    problem_.evaluate(z, held.p, order, at);
+    problem_->evaluate(z, held.p, order, at);
   } else {
-    problem_.evaluateLagrangian(z, held.p, held.multipliers, order, at);
+    problem_->evaluateLagrangian(z, held.p, held.multipliers, order, at);
   }
   seconds_assembly_ += secondsNow() - begin;
 }
@@ -73,7 +73,7 @@ double residualTolerance(const Problem& problem, const Evaluation& at, const New
       {settings.relative_tolerance * at.force_scale, settings.roundings * at.rounding, problem.forceFloor()});
 }
 
-double Newton::tolerance(const Evaluation& at) const { return residualTolerance(problem_, at, settings_); }
+double Newton::tolerance(const Evaluation& at) const { return residualTolerance(*problem_, at, settings_); }
 
 /// Direction by conjugate gradients with the factor of an earlier point, if that is nearer than a new factor is cheap.
 bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result) {
@@ -85,7 +85,7 @@ bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& resu
   const int worth = static_cast<int>(0.5 * cholesky_.factorCostInSolves());
   if (!factor_is_recent_ && (worth < OLD_FACTOR_STEPS || patience_-- > 0)) return false;
   const int limit = std::max(worth, 4);
-  const CgResult cg = conjugateGradients(problem_.pattern(), at.hessian, cholesky_, -at.residual, wanted, limit, d);
+  const CgResult cg = conjugateGradients(problem_->pattern(), at.hessian, cholesky_, -at.residual, wanted, limit, d);
   result.inner_iterations += cg.iterations;
   if (!cg.converged || !d.allFinite()) {
     patience_ = OLD_FACTOR_PAUSE;
@@ -120,7 +120,7 @@ bool Newton::direction(const Eigen::VectorXd& z, const Held& held, Evaluation& a
     ++result.projections;
     std::vector<double>& hessian = trial_.hessian;
     double largest = 0;
-    const SparsePattern& pattern = problem_.pattern();
+    const SparsePattern& pattern = problem_->pattern();
     for (int c = 0; c < pattern.size; ++c) largest = std::max(largest, std::abs(hessian[pattern.start[c]]));
     // A projected Hessian may still be singular to rounding: a small shift then stands in for what is missing.
     for (const double shift : {0.0, 1e-10, 1e-6, 1e-3}) {
@@ -143,8 +143,8 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipl
   const double slope = at.residual.dot(d);
   // Near the solution differences of the energy are rounding; slopes of it are not, and decide there instead
   // (approximate Wolfe conditions, Hager and Zhang 2005).
-  const double rounding =
-      std::max(1e-10 * (std::abs(at.elastic_energy) + std::abs(at.energy - at.elastic_energy)), problem_.energyFloor());
+  const double rounding = std::max(1e-10 * (std::abs(at.elastic_energy) + std::abs(at.energy - at.elastic_energy)),
+                                   problem_->energyFloor());
   double length = 1;
   for (int trial = 0; trial < 40; ++trial, length *= 0.5) {
     const Eigen::VectorXd candidate = z + length * d;
@@ -166,9 +166,9 @@ bool Newton::lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipl
 
 NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at,
                            const Eigen::VectorXd& multipliers) {
-  if (problem_.constraints() != nullptr && multipliers.size() != problem_.constraints()->count()) {
+  if (problem_->constraints() != nullptr && multipliers.size() != problem_->constraints()->count()) {
     throw common::Error("Newton's method has " + std::to_string(multipliers.size()) + " multipliers for " +
-                        std::to_string(problem_.constraints()->count()) +
+                        std::to_string(problem_->constraints()->count()) +
                         " constraints; allowed: as many, or EquilibriumSolver, which finds them");
   }
   const Held held{p, multipliers};
@@ -181,7 +181,7 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
   evaluate(z, held, settings_.keep_factor ? Order::STRESS : Order::TANGENT, at);
   if (!at.finite) {
     std::ostringstream text;
-    text << "det F = " << at.min_det_f << " in " << problem_.describeCell(at.min_det_f_cell);
+    text << "det F = " << at.min_det_f << " in " << problem_->describeCell(at.min_det_f_cell);
     return finish(SolveStatus::INVERTED_START, text.str());
   }
   Eigen::VectorXd d;
@@ -206,7 +206,7 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
       }
       std::ostringstream text;
       text << "no shorter step lowers the energy; |r| = " << result.residual << " N, smallest det F = " << at.min_det_f
-           << " in " << problem_.describeCell(at.min_det_f_cell);
+           << " in " << problem_->describeCell(at.min_det_f_cell);
       return finish(SolveStatus::LINE_SEARCH_FAILED, text.str());
     }
   }

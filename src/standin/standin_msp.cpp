@@ -47,7 +47,7 @@ bool StandinMsp::nextCommand() {
 
 std::size_t StandinMsp::step(double now, std::uint8_t* out, std::size_t capacity) {
   std::size_t written = 0;
-  const double period = 1.0 / controller_.settings().msp_rate;
+  const double period = 1.0 / controller_->settings().msp_rate;
   while (next_turn_ <= now) {
     if (nextCommand()) {
       link::MspPacket reply;
@@ -58,13 +58,13 @@ std::size_t StandinMsp::step(double now, std::uint8_t* out, std::size_t capacity
     next_turn_ += period;
     if (count_ == 0 && next_turn_ < now) next_turn_ = now - std::fmod(now - next_turn_, period) + period;
   }
-  controller_.step(now);
+  controller_->step(now);
   return written;
 }
 
 /// Answers that tell how the controller is set. @return false if `reply` is about something else
 bool StandinMsp::serveSetting(link::MspPacket& reply) const {
-  const StandinSettings& settings = controller_.settings();
+  const StandinSettings& settings = controller_->settings();
   switch (reply.id) {
     case link::MSP_API_VERSION:
       link::encode(settings.api, reply);
@@ -103,13 +103,13 @@ bool StandinMsp::serveSetting(link::MspPacket& reply) const {
 }
 
 void StandinMsp::serveImu(link::MspPacket& reply) const {
-  if (!controller_.settings().accelerometer) {
+  if (!controller_->settings().accelerometer) {
     reply.direction = '!';
     return;
   }
   link::RawImu raw;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double counts = controller_.specificForce()[i] / link::STANDARD_GRAVITY * COUNTS_PER_G;
+    const double counts = controller_->specificForce()[i] / link::STANDARD_GRAVITY * COUNTS_PER_G;
     raw.acceleration[i] = static_cast<int>(std::lround(std::clamp(counts, -32768.0, 32767.0)));
   }
   link::encode(raw, reply);
@@ -119,7 +119,7 @@ void StandinMsp::serve(const link::MspPacket& packet, double now, link::MspPacke
   reply = link::request(packet.version, packet.id);
   reply.direction = '>';
   if (serveSetting(reply)) return;
-  const StandinSettings& settings = controller_.settings();
+  const StandinSettings& settings = controller_->settings();
   switch (packet.id) {
     case link::MSP_BOXIDS:
       // A firmware without override has no box for it.
@@ -129,9 +129,9 @@ void StandinMsp::serve(const link::MspPacket& packet, double now, link::MspPacke
     case link::MSP_STATUS: {
       link::StatusReply status;
       status.cycle_time = 125;
-      status.modes = (controller_.armed() ? 1U << 0 : 0U) | (controller_.failsafe() ? 1U << 3 : 0U) |
-                     (controller_.overrideActive() ? 1U << 6 : 0U);
-      status.arming_flags = controller_.armingFlags();
+      status.modes = (controller_->armed() ? 1U << 0 : 0U) | (controller_->failsafe() ? 1U << 3 : 0U) |
+                     (controller_->overrideActive() ? 1U << 6 : 0U);
+      status.arming_flags = controller_->armingFlags();
       status.arming_flag_count = ARMING_FLAG_COUNT;
       link::encode(status, reply);
       if (settings.variant[0] == 'I') reply.size = INAV_STATUS_SIZE;
@@ -143,19 +143,19 @@ void StandinMsp::serve(const link::MspPacket& packet, double now, link::MspPacke
     case link::MSP_MOTOR: {
       link::Channels motors;
       motors.count = 8;
-      std::fill_n(motors.us.begin(), link::MOTOR_COUNT, static_cast<std::uint16_t>(controller_.motorMicroseconds()));
+      std::fill_n(motors.us.begin(), link::MOTOR_COUNT, static_cast<std::uint16_t>(controller_->motorMicroseconds()));
       link::encode(motors, reply);
       break;
     }
     case link::MSP_RC:
-      link::encode(controller_.seenChannels(now), reply);
+      link::encode(controller_->seenChannels(now), reply);
       break;
     case link::MSP_SET_RAW_RC: {
       link::Channels channels;
       if (packet.size > 2 * MOST_CHANNELS) {
         reply.direction = '!';
       } else if (link::decode(packet, channels)) {
-        controller_.onFrame(channels, now);
+        controller_->onFrame(channels, now);
       }
       break;
     }

@@ -21,7 +21,7 @@ void StandinPort::onTicks(const link::Ticks& ticks, int (*microseconds)(int), do
   link::Channels channels;
   channels.count = link::MAX_CHANNELS;
   for (std::size_t i = 0; i < ticks.size(); ++i) channels.us[i] = static_cast<std::uint16_t>(microseconds(ticks[i]));
-  controller_.onFrame(channels, now);
+  controller_->onFrame(channels, now);
 }
 
 }  // namespace snapwing::standin

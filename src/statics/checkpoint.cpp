@@ -78,8 +78,7 @@ void saveCheckpoint(const SceneCurve& sofar, const std::string& hash, const std:
 }
 
 SceneCurve loadCheckpoint(const std::string& path, const std::string& hash) {
-  const std::string bytes = common::loadCheckpointBytes(path, MAGIC, hash, "another scene or to other settings");
-  BytesReader reader(bytes, path);
+  BytesReader reader(common::loadCheckpointBytes(path, MAGIC, hash, "another scene or to other settings"), path);
   SceneCurve curve;
   curve.path = runFrom(reader);
   curve.back = runFrom(reader);

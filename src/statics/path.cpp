@@ -30,7 +30,7 @@ PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factor
 }
 
 PathFollower::PathFollower(const solver::Problem& problem, PathSettings settings)
-    : problem_(problem), settings_(std::move(settings)), solver_(problem, settings_.newton, settings_.line) {
+    : settings_(std::move(settings)), solver_(problem, settings_.newton, settings_.line) {
   if (!(settings_.smallest_step > 0 && settings_.smallest_step <= 1)) {
     throw common::Error("smallest_step is " + common::toText(settings_.smallest_step) + "; allowed: (0, 1]");
   }

@@ -82,7 +82,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
 }
 
 rom::LumpedModel RungRunner::lumpedOf(const RungTrial& trial) const {
-  const vehicle::ForceTable& curve = trial.curve != nullptr ? *trial.curve : table_;
+  const vehicle::ForceTable& curve = trial.curve ? *trial.curve : table_;
   return rom::LumpedModel::fromVehicle(vehicle_, curve, parametersOf(trial), {}, wing_);
 }
 

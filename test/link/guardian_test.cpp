@@ -188,7 +188,7 @@ TEST_F(OwnProcess, DeadBridgesLineGetsSafeFramesAlone) {
 TEST_F(OwnProcess, HalfAFrameIsFilledUp) {
   start(Protocol::MSP2, [](Guardian& guardian, int line) {
     const WireFrame frame = BridgeLoop::safeFrame(Protocol::MSP2);
-    guardian.record().open_bytes = static_cast<std::uint32_t>(frame.size);
+    guardian.record()->open_bytes = static_cast<std::uint32_t>(frame.size);
     if (write(line, frame.bytes.data(), 11) != 11) _exit(1);
     raise(SIGKILL);
   });
@@ -201,7 +201,7 @@ TEST_F(OwnProcess, HalfAFrameIsFilledUp) {
 
 TEST_F(OwnProcess, StoppedBridgeIsKilled) {
   start(Protocol::MSP2, [](Guardian& guardian, int) {
-    guardian.record().active = true;
+    guardian.record()->active = true;
     raise(SIGSTOP);
   });
   EXPECT_GE(framesIn(bytesUntilClosed()).size(), 25U);

@@ -3,6 +3,7 @@
 /// with its kind, a hash of what it belongs to and one of its bytes.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace snapwing::common {
@@ -21,8 +22,8 @@ class BytesWriter {
 /// Reads what a BytesWriter wrote, in its order. @throws FileError naming the file if there is less
 class BytesReader {
  public:
-  /// @param path  of the file, for messages; both must outlive this
-  BytesReader(const std::string& bytes, const std::string& path) : bytes_(bytes), path_(path) {}
+  /// @param path  of the file, for messages
+  BytesReader(std::string bytes, std::string path) : bytes_(std::move(bytes)), path_(std::move(path)) {}
   double number();
   int integer() { return static_cast<int>(number()); }
   /// A count of things that each take at least a byte.
@@ -34,8 +35,7 @@ class BytesReader {
   void take(void* to, std::size_t size);
   [[noreturn]] void damaged() const;
 
-  const std::string& bytes_;
-  const std::string& path_;
+  std::string bytes_, path_;
   std::size_t at_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/lcm_socket.h"
 #include "snapwing/link/sealing.h"
@@ -47,8 +48,8 @@ class BridgeLcm {
   LcmSocket in_;   ///< listener's
   LcmSocket out_;  ///< publisher's: its own, so that a flood of messages cannot hold up the status
   std::int64_t session_;
-  Inbox& inbox_;
-  Outbox& outbox_;
+  common::Loan<Inbox> inbox_;
+  common::Loan<Outbox> outbox_;
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> rejected_{0};
   std::mutex greetings_mutex_;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/link/bridge_core.h"
 #include "snapwing/link/controller_watch.h"
 #include "snapwing/link/guardian.h"
@@ -51,8 +52,8 @@ class BridgeLoop {
   Outbox& outbox() { return outbox_; }
   BridgeCore& core() { return core_; }
   const ControllerWatch& watch() const { return watch_; }
-  /// What the guardian looks at goes there, from the next frame on; it must outlive the loop.
-  void publishTo(GuardianRecord& record);
+  /// What the guardian looks at goes there, from the next frame on.
+  void publishTo(std::shared_ptr<GuardianRecord> record);
 
   /// When the next frame is due: the core's grid, or earlier when a message has changed what must be sent and nothing
   /// is on its way that the controller would have to serve first.
@@ -79,14 +80,13 @@ class BridgeLoop {
 
   Protocol protocol_;
   bool readback_;
-  Transport& transport_;
+  common::Loan<Transport> transport_;
   BridgeCore core_;
   ControllerWatch watch_;
   MspParser parser_;
   Inbox inbox_;
   Outbox outbox_;
-  GuardianRecord own_record_;
-  GuardianRecord* record_ = &own_record_;
+  std::shared_ptr<GuardianRecord> record_ = std::make_shared<GuardianRecord>();  ///< its own, or the guardian's
   int seen_connections_ = 0;
   double window_closed_since_ = -1;
   double last_frame_ = -1e9;  ///< [s] written

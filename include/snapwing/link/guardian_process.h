@@ -3,6 +3,8 @@
 
 #include <sys/types.h>
 
+#include <memory>
+
 #include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/guardian.h"
 #include "snapwing/link/link_log.h"
@@ -21,7 +23,8 @@ class Guardian {
   Guardian(const Guardian&) = delete;
   Guardian& operator=(const Guardian&) = delete;
 
-  GuardianRecord& record() { return *record_; }
+  /// In memory that both processes map, as long as anybody holds it.
+  const std::shared_ptr<GuardianRecord>& record() { return record_; }
   pid_t pid() const { return pid_; }
   /// Hands on the line's descriptor whenever the connection is another one; call with each frame. Never waits.
   /// @param descriptor  -1 if there is none
@@ -33,7 +36,7 @@ class Guardian {
 
  private:
   bool hungUp() const;
-  GuardianRecord* record_ = nullptr;
+  std::shared_ptr<GuardianRecord> record_;
   int socket_ = -1;
   pid_t pid_ = 0;
   int handed_ = 0;  ///< connection last handed on, 0 = none

@@ -5,10 +5,12 @@
 #include <atomic>
 #include <cstddef>
 
+#include "snapwing/common/loan.h"
+
 namespace snapwing::link {
 
 template <class Item, std::size_t CAPACITY>
-class SpscRing {
+class SpscRing : public common::Lender {
   static_assert((CAPACITY & (CAPACITY - 1)) == 0, "capacity is a power of two");
 
  public:

@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "snapwing/common/loan.h"
+
 namespace snapwing::link {
 
 enum class Parity { NONE, EVEN };
@@ -21,7 +23,7 @@ struct LineSettings {
   bool padding = true;
 };
 
-class Transport {
+class Transport : public common::Lender {
  public:
   virtual ~Transport() = default;
 
@@ -53,7 +55,7 @@ class Transport {
   /// errno of the last attempt to open or of the loss; 0 = none, or ended by the far end.
   int lastError() const { return last_error_; }
   /// Where to keep the number of bytes of a frame that may be on the line in part; the guardian fills them up.
-  void publishOpenBytes(std::atomic<std::uint32_t>& where) { open_bytes_ = &where; }
+  void publishOpenBytes(std::shared_ptr<std::atomic<std::uint32_t>> where) { open_bytes_ = std::move(where); }
 
   static constexpr double BLOCKED_LIMIT = 0.1;  ///< [s]
   static constexpr std::size_t PADDING = 32;    ///< [bytes] more than any frame sent here
@@ -85,8 +87,7 @@ class Transport {
   int connections_ = 0;
   int last_error_ = 0;
   bool padding_ = true;
-  std::atomic<std::uint32_t> own_open_bytes_{0};
-  std::atomic<std::uint32_t>* open_bytes_ = &own_open_bytes_;
+  std::shared_ptr<std::atomic<std::uint32_t>> open_bytes_ = std::make_shared<std::atomic<std::uint32_t>>(0);
 };
 
 /// @param where  "tcp:HOST:PORT", "serial:/dev/NAME" (also a pseudo-terminal's name), or "pty:LINK": makes a

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/scene/scene_problem.h"
 #include "snapwing/vehicle/force_table.h"
 
@@ -41,7 +42,7 @@ class StaticCurve {
  private:
   void follow(double to, double step);
 
-  const scene::CompiledScene& scene_;
+  common::Loan<const scene::CompiledScene> scene_;
   std::vector<StaticPoint> points_;
   vehicle::ForceTable table_;
   vehicle::CurveFeatures features_{};

@@ -32,7 +32,7 @@ struct EnsembleOutcome {
 
 class Ensemble {
  public:
-  /// Keeps a reference to the curves.
+  /// @param curves  of the vehicle
   /// @param radio  gives the motors' idle thrust. @throws common::Error for a curve that is not bistable, or settings
   Ensemble(const VehicleCurves& curves, const vehicle::Radio& radio, const EnsembleSettings& settings = {});
   ~Ensemble();

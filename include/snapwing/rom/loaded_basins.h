@@ -5,8 +5,10 @@
 /// 0.
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/rom/potential.h"
 #include "snapwing/rom/travel_inertia.h"
 #include "snapwing/vehicle/mode.h"
@@ -30,7 +32,7 @@ struct LoadedBarrier {
   vehicle::Mode sideOf(double u) const;
 };
 
-/// A bistable potential's basins under load. Keeps references: potential and inertia must outlive it.
+/// A bistable potential's basins under load. Potential and inertia are lent.
 class LoadedBasins {
  public:
   /// @param moved  arms and wings; nullptr: without mass
@@ -65,8 +67,8 @@ class LoadedBasins {
   Branch branch(double specific_force) const;
   double extremum(const std::vector<Point>& points, double specific_force, bool largest) const;
 
-  const Potential& potential_;
-  const TravelInertia* moved_;
+  common::Loan<const Potential> potential_;
+  std::optional<common::Loan<const TravelInertia>> moved_;
   const Equilibria& equilibria_;
   std::vector<Point> rising_,
       falling_;  ///< between first equilibrium and barrier, barrier and second; with inertia only

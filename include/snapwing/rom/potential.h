@@ -2,6 +2,8 @@
 /// Elastic energy of the vehicle against travel. The lumped model knows nothing else about the arms, so a test can put
 /// a closed form in the table's place.
 
+#include "snapwing/common/loan.h"
+
 namespace snapwing::rom {
 
 /// Energy, force and stiffness at one travel; force = dE/du and stiffness = d2E/du2 exactly.
@@ -26,7 +28,7 @@ struct Equilibria {
 };
 
 /// One-dimensional potential, defined for every finite u. Immutable: may be shared between threads.
-class Potential {
+class Potential : public common::Lender {
  public:
   virtual ~Potential() = default;
   /// @param u  travel [m], finite

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/wing_table.h"
 
@@ -35,7 +36,7 @@ struct RelativeInertia {
 RelativeInertia relativeInertia(const InertiaSample& moved, double centre, double all);
 
 /// Sum of what the tables say of arms and wings. Immutable, cheap to copy: copies share the coefficients.
-class TravelInertia {
+class TravelInertia : public common::Lender {
  public:
   /// All arms of the vehicle. @param table  of one; @throws common::Error for a bad table
   explicit TravelInertia(const vehicle::ForceTable& table);

@@ -4,6 +4,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <snapwing/LinkStatus.h>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/ros/link_worker.h"
 
 namespace snapwing::nodes {
@@ -21,7 +22,7 @@ class LinkDiagnostics {
   void diagnoseLink(Wrapper& out);
   void diagnoseController(Wrapper& out);
 
-  const LinkWorker& worker_;
+  common::Loan<const LinkWorker> worker_;
   double interval_;
   link::LinkCounters last_;
   diagnostic_updater::Updater updater_;

@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/link/arming_protocol.h"
 #include "snapwing/link/command_seal.h"
 #include "snapwing/link/operator_link.h"
@@ -43,7 +44,7 @@ struct LinkSnapshot {
   std::string hint;
 };
 
-class LinkWorker {
+class LinkWorker : public common::Lender {
  public:
   /// Called on the worker's thread with each new status, before the door may be asked about it.
   using StatusCallback = std::function<void(const link::BridgeStatus& status, const link::OperatorLink& link)>;

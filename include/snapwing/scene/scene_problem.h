@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/mpm/mass.h"
 #include "snapwing/mpm/moving_mass.h"
 #include "snapwing/scene/scene.h"
@@ -28,7 +29,7 @@ struct BodyMass {
 };
 
 /// What a command needs to know, whatever the dimension. z are the problem's free coordinates, p its one control.
-class CompiledScene {
+class CompiledScene : public common::Lender {
  public:
   virtual ~CompiledScene() = default;
   virtual const solver::Problem& problem() const = 0;
@@ -63,8 +64,8 @@ class CompiledScene {
   virtual double droppedShare() const = 0;
   /// What cells, particles and left out slivers make of the bodies' volume. Costs up to seconds.
   virtual SceneVolume volume() const = 0;
-  /// Derivatives at an equilibrium, whose `at` and `multipliers` must be those of a converged solve; both must outlive
-  /// the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
+  /// Derivatives at an equilibrium, whose `at` and `multipliers` must be those of a converged solve. The scene is lent
+  /// to the result. @throws common::Error where there are none: a singular Hessian, rigid bodies or cylinder pins, a
   /// joint at the edge of a body
   virtual std::unique_ptr<SceneSensitivity> sensitivity(const solver::Equilibrium& x) const = 0;
   /// Deformed cells for ParaView, as the text of an unstructured-grid file (VTU).

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/solver/newton.h"
 #include "snapwing/solver/tangent_system.h"
 
@@ -36,12 +37,14 @@ struct ControlLine {
 
 class EquilibriumSolver {
  public:
-  /// @param problem  must outlive this
   /// @param line     of the controls; may be left out if there is exactly one
   /// @throws common::Error if the line has other controls than the problem
   EquilibriumSolver(const Problem& problem, const NewtonSettings& settings, ControlLine line = {});
 
-  const Problem& problem() const { return problem_; }
+  EquilibriumSolver(const EquilibriumSolver&) = delete;  // its tangent system has the factor lent
+  EquilibriumSolver& operator=(const EquilibriumSolver&) = delete;
+
+  const Problem& problem() const { return *problem_; }
   int constraintCount() const { return constraints_ ? constraints_->count() : 0; }
   /// Another line, for solves to come. @throws common::Error as the constructor
   void setLine(ControlLine line);
@@ -95,7 +98,7 @@ class EquilibriumSolver {
   bool saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x);
   bool curvedStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x);
 
-  const Problem& problem_;
+  common::Loan<const Problem> problem_;
   NewtonSettings settings_;
   const Constraints* constraints_;  ///< the problem's; null without
   ControlLine line_;

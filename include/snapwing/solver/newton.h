@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/solver/problem.h"
 
 namespace snapwing::solver {
@@ -67,7 +68,6 @@ struct NewtonResult {
 /// Keeps the factor's symbolic part; one object per problem and thread.
 class Newton {
  public:
-  /// @param problem  must outlive this
   Newton(const Problem& problem, NewtonSettings settings);
 
   /// @param p  controls
@@ -108,7 +108,7 @@ class Newton {
   bool direction(const Eigen::VectorXd& z, const Held& held, Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
   double tolerance(const Evaluation& at) const;
 
-  const Problem& problem_;
+  common::Loan<const Problem> problem_;
   NewtonSettings settings_;
   Cholesky cholesky_;
   Evaluation trial_;

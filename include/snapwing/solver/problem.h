@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/solver/constraints.h"
 #include "snapwing/solver/coordinates.h"
 #include "snapwing/solver/sparse.h"
@@ -37,7 +38,7 @@ struct Evaluation {
   std::shared_ptr<const ConstraintRows> rows;  ///< dg/dz at z, of order TANGENT; null without
 };
 
-class Problem {
+class Problem : public common::Lender {
  public:
   virtual ~Problem() = default;
   /// Constraints that are kept as equations; null if there are none. What is evaluated is then the Lagrangian.

@@ -7,6 +7,9 @@
 /// The first is the paper's formula with its sign corrected: J H^-1 enters dy/dp with a minus. What each term has of
 /// the densities it says itself (Term::densityDerivative).
 
+#include <utility>
+
+#include "snapwing/common/loan.h"
 #include "snapwing/solver/tangent_system.h"
 #include "snapwing/solver/term_problem.h"
 
@@ -25,11 +28,11 @@ struct Variation {
 /// All at one converged point. Results are per cell, in the order of cells.
 class Sensitivity {
  public:
-  /// @param problem, system, at  must outlive this; `system` factorized at the point
+  /// @param system  factorized at the point
   /// @param at     evaluation of order TANGENT at the equilibrium
   /// @param cells  of the solid
-  Sensitivity(const TermProblem& problem, const TangentSystem& system, const Evaluation& at, int cells)
-      : problem_(problem), system_(system), at_(at), cells_(cells) {}
+  Sensitivity(const TermProblem& problem, const TangentSystem& system, Evaluation at, int cells)
+      : problem_(problem), system_(system), at_(std::move(at)), cells_(cells) {}
 
   /// d(z, lambda, y)/dp along the branch.
   Variation tangent() const;
@@ -45,9 +48,9 @@ class Sensitivity {
  private:
   Eigen::VectorXd along(const Variation& direction) const;
 
-  const TermProblem& problem_;
-  const TangentSystem& system_;
-  const Evaluation& at_;
+  common::Loan<const TermProblem> problem_;
+  common::Loan<const TangentSystem> system_;
+  Evaluation at_;
   int cells_;
 };
 

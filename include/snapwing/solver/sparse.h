@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "snapwing/common/loan.h"
+
 namespace snapwing::solver {
 
 /// Rows of linear equations.
@@ -29,7 +31,7 @@ struct SparsePattern {
 
 /// Factor with a pattern that is analysed once (METIS, supernodal). BLAS runs on one thread, so that the bits do not
 /// depend on the machine's cores.
-class Cholesky {
+class Cholesky : public common::Lender {
  public:
   explicit Cholesky(const SparsePattern& pattern);
   ~Cholesky();

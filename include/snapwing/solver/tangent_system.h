@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/solver/problem.h"
 
 namespace snapwing::solver {
 
-class TangentSystem {
+class TangentSystem : public common::Lender {
  public:
-  /// Both must outlive this.
   TangentSystem(const Problem& problem, Cholesky& cholesky) : problem_(problem), cholesky_(cholesky) {}
   /// @param rows  of the constraints at the point; null without
   /// @return true if positive definite on admissible motions
@@ -35,8 +35,8 @@ class TangentSystem {
   template <class Dense>
   void solveAny(const Dense& f, const Dense& g, Dense& z, Dense& lambda) const;
 
-  const Problem& problem_;
-  Cholesky& cholesky_;
+  common::Loan<const Problem> problem_;
+  common::Loan<Cholesky> cholesky_;
   std::shared_ptr<const ConstraintRows> rows_;
   Eigen::MatrixXd spread_;  ///< H^-1 A^T
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> schur_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/link/channels.h"
 #include "snapwing/link/config_messages.h"
 #include "snapwing/link/imu_question.h"
@@ -65,7 +66,7 @@ struct StandinSettings {
   void becomeInav();
 };
 
-class StandinController {
+class StandinController : public common::Lender {
  public:
   /// @param now  [s] power on
   StandinController(const StandinSettings& settings, double now);
@@ -152,7 +153,7 @@ class StandinMsp {
   bool serveSetting(link::MspPacket& reply) const;
   void serveImu(link::MspPacket& reply) const;
 
-  StandinController& controller_;
+  common::Loan<StandinController> controller_;
   link::MspParser parser_;
   std::array<std::uint8_t, 1400> ring_;
   std::size_t size_, head_ = 0, count_ = 0;

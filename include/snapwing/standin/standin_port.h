@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/link/crsf.h"
 #include "snapwing/link/sbus.h"
 #include "snapwing/standin/standin_controller.h"
@@ -26,7 +27,7 @@ class StandinPort {
   void onTicks(const link::Ticks& ticks, int (*microseconds)(int), double now);
 
   std::string protocol_;
-  StandinController& controller_;
+  common::Loan<StandinController> controller_;
   StandinMsp msp_;
   link::SbusParser sbus_;
   link::CrsfParser crsf_;

@@ -61,7 +61,7 @@ PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factor
 /// Steps from point to point with a Hermite predictor; a step that fails is halved.
 class PathFollower {
  public:
-  /// @param problem  must outlive this. @throws common::Error for a line that does not fit its controls
+  /// @throws common::Error for a line that does not fit its controls
   PathFollower(const solver::Problem& problem, PathSettings settings);
 
   /// @param start     free coordinates near equilibrium at targets[0]
@@ -84,7 +84,6 @@ class PathFollower {
   void passSingular(const solver::Equilibrium& next, solver::Equilibrium& onward);
   PathResult finish(double begin);
 
-  const solver::Problem& problem_;
   PathSettings settings_;
   solver::EquilibriumSolver solver_;
   Predictor predictor_;

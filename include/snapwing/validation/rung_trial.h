@@ -29,7 +29,7 @@ struct RungTrial {
   double resolution = 1e-4;                                 ///< [s] of the shortest pulse
   motion::DampingLaw damping = motion::DampingLaw::TRAVEL;  ///< of the solid
   /// Static curve of the lumped rung in place of the vehicle's table, whose parameters stay: that of a solid.
-  const vehicle::ForceTable* curve = nullptr;
+  std::optional<vehicle::ForceTable> curve;
 };
 
 struct RungOutcome {
@@ -49,7 +49,7 @@ struct RungOutcome {
 
 class RungRunner {
  public:
-  /// Keeps references. @param body  of the solid in place of the vehicle's arm.density_file; empty: that one
+  /// @param body  of the solid in place of the vehicle's arm.density_file; empty: that one
   /// @param cancelled  polled at every step of a solid; true ends a run, whose outcome is then no outcome
   RungRunner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
              const std::optional<vehicle::WingTable>& wing, const std::string& body = {},
@@ -77,9 +77,9 @@ class RungRunner {
   motion::AxisSettings settingsOf(const RungTrial& trial) const;
   vehicle::VehicleParameters parametersOf(const RungTrial& trial) const;
 
-  const vehicle::Vehicle& vehicle_;
-  const vehicle::ForceTable& table_;
-  const std::optional<vehicle::WingTable>& wing_;
+  vehicle::Vehicle vehicle_;
+  vehicle::ForceTable table_;
+  std::optional<vehicle::WingTable> wing_;
   vehicle::Vehicle printed_;  ///< with the body that the solids have
   std::function<bool()> cancelled_;
 };

@@ -35,6 +35,15 @@ std::vector<double> beyond(const std::vector<double>& fine, const std::vector<do
   return result;
 }
 
+/// Limits of single numbers may be together what no motion can have: K M >= S^2 [Cauchy-Schwarz].
+void keepInertiaPossible(vehicle::ForceTable* table) {
+  if (!(table->mass > 0)) return;
+  for (std::size_t k = 0; k < table->kinetic_mass.size(); ++k) {
+    const double coupled = table->coupled_mass[k];
+    table->kinetic_mass[k] = std::max(table->kinetic_mass[k], coupled * coupled / table->mass);
+  }
+}
+
 }  // namespace
 
 ArmEstimate estimate(const ArmCheck& check, bool solid, double (*quantity)(const ArmCheckCase&)) {
@@ -71,6 +80,7 @@ vehicle::ForceTable extrapolatedTable(const ArmCheck& check) {
     table.kinetic_mass = beyond(fine.kinetic_mass, coarse.kinetic_mass, g);
     table.coupled_mass = beyond(fine.coupled_mass, coarse.coupled_mass, g);
     table.mass = fine.mass + g * (fine.mass - coarse.mass);
+    keepInertiaPossible(&table);
     const bool both = fine.force_back.size() == coarse.force_back.size();
     table.force_back = both ? beyond(fine.force_back, coarse.force_back, g) : std::vector<double>();
     for (std::size_t k = 0; k < table.travel.size(); ++k) {

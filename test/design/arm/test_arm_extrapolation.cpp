@@ -100,12 +100,12 @@ TEST(ArmExtrapolation, TableIsTheLimitOfBothCurvesPointByPoint) {
       c.table.min_det_f.push_back(cell), c.table.stable.push_back(cell > 0.7 || k != 2);
       c.table.iterations.push_back(1);
     }
-    c.table.mass = 0.01 + 0.001 * cell;
+    c.table.mass = 10 + 0.001 * cell;
     check.cases.push_back(c);
   }
   const vehicle::ForceTable table = extrapolatedTable(check);
   ASSERT_EQ(table.travel.size(), 5U);
-  EXPECT_NEAR(table.mass, 0.01, 1e-15);
+  EXPECT_NEAR(table.mass, 10, 1e-14);
   for (int k = 0; k < 5; ++k) {
     EXPECT_NEAR(table.force[k], k, 1e-14);
     EXPECT_NEAR(table.energy[k], 2 * k, 1e-14);
@@ -118,6 +118,23 @@ TEST(ArmExtrapolation, TableIsTheLimitOfBothCurvesPointByPoint) {
   }
   check.cases[0].table.travel[1] += 1e-4;
   EXPECT_TRUE(extrapolatedTable(check).travel.empty());
+}
+
+/// A push switch at .5 and .25 mm: each body's inertia is possible, the limits of its numbers alone were not.
+TEST(ArmExtrapolation, InertiaInTheLimitIsThatOfAMotion) {
+  ArmCheck check;
+  for (const double cell : {0.5, 0.25}) {
+    ArmCheckCase c = body(PLANAR_LINEAR, cell, 3.5, 0.2);
+    c.table.travel = {0, 0.01}, c.table.force = {0, 1}, c.table.energy = {0, 0.005}, c.table.stiffness = {100, 100};
+    c.table.rotation = {0, 0}, c.table.kinetic_mass = {1e-3, 2e-3 + 1e-3 * cell};
+    c.table.coupled_mass = {1e-3, 2e-3}, c.table.mass = 1.9e-3 + 1e-3 * cell;
+    c.table.min_det_f = {1, 1}, c.table.stable = {1, 1}, c.table.iterations = {1, 1};
+    ASSERT_GE(c.table.kinetic_mass[1] * c.table.mass, 4e-6);
+    check.cases.push_back(c);
+  }
+  const vehicle::ForceTable table = extrapolatedTable(check);
+  EXPECT_NEAR(table.kinetic_mass[0], 1e-3, 1e-15);
+  EXPECT_NEAR(table.kinetic_mass[1], 4e-6 / 1.9e-3, 1e-15);
 }
 
 }  // namespace
