@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "snapwing/common/error.h"
@@ -22,24 +23,41 @@ NeoHookean<D>::NeoHookean(const Material& material, const DensityInterpolation& 
 
 namespace {
 
-/// x - ln(1 + x) and (e^2t - 1)/2 - t without cancellation: energies stay exact at small strain, where a line search
-/// compares them.
-double beyondLog(double x, double log1p_x) {
-  if (std::abs(x) > 0.01) return x - log1p_x;
-  double sum = 0;
-  for (const double inverse : {1 / 10., -1 / 9., 1 / 8., -1 / 7., 1 / 6., -1 / 5., 1 / 4., -1 / 3., 1 / 2.}) {
-    sum = inverse + x * sum;
-  }
-  return x * x * sum;
+constexpr double SMALL = 0.01;  // up to here nine terms of a series in powers are exact to rounding
+
+/// Sum of c_k x^k, k = 0 .. 8, in pairs: a processor does these side by side.
+double sumOfPowers(const std::array<double, 9>& c, double x) {
+  const double x2 = x * x, x4 = x2 * x2;
+  const double low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2, high = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2;
+  return low + (high + c[8] * x4) * x4;
 }
-double beyondExp(double t, double expm1_2t) {
-  if (std::abs(t) > 0.01) return 0.5 * expm1_2t - t;
-  double sum = 1;
-  for (const double inverse : {1 / 10., 1 / 9., 1 / 8., 1 / 7., 1 / 6., 1 / 5., 1 / 4., 1 / 3.}) {
-    sum = 1 + 2 * t * inverse * sum;
+
+/// ln(1 + x), and x less that without cancellation: energies stay exact at small strain, where a line search compares
+/// them.
+struct Logarithm {
+  explicit Logarithm(double x) {
+    static constexpr std::array<double, 9> TERMS = {1 / 2.,  -1 / 3., 1 / 4.,  -1 / 5., 1 / 6.,
+                                                    -1 / 7., 1 / 8.,  -1 / 9., 1 / 10.};
+    const bool small = std::abs(x) <= SMALL;
+    beyond = small ? x * x * sumOfPowers(TERMS, x) : 0;
+    value = small ? x - beyond : std::log1p(x);
+    if (!small) beyond = x - value;
   }
-  return t * t * sum;
-}
+  double value, beyond;
+};
+
+/// e^2t - 1, and half of it less t, the same way.
+struct Exponential {
+  explicit Exponential(double t) {
+    static constexpr std::array<double, 9> TERMS = {1,         1 / 3.,     1 / 12.,     1 / 60.,     1 / 360.,
+                                                    1 / 2520., 1 / 20160., 1 / 181440., 1 / 1814400.};
+    const bool small = std::abs(t) <= SMALL;
+    beyond = small ? t * t * sumOfPowers(TERMS, 2 * t) : 0;
+    grown = small ? 2 * (t + beyond) : std::expm1(2 * t);
+    if (!small) beyond = 0.5 * grown - t;
+  }
+  double grown, beyond;
+};
 
 /// det(I + h) - 1 - tr h.
 double beyondTrace(const Matrix<2>& h) { return h.determinant(); }
@@ -50,29 +68,35 @@ double beyondTrace(const Matrix<3>& h) { return 0.5 * (h.trace() * h.trace() - (
 template <int D>
 typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
   if (!plane_stress_) return {0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
-  // mu (e^2t - 1) + lambda (z + t) = 0, monotone and convex in t. Where the first two terms of the solution in powers
-  // of z are near, Halley's rule, whose error is the cube of the one before, ends within one or two rounds; elsewhere
+  // mu (e^2t - 1) + lambda (z + t) = 0, monotone and convex in t. Where the first four terms of the solution in powers
+  // of z are near, Halley's rule, whose error is the cube of the one before, ends within one round or two; elsewhere
   // Newton's rule comes from above and cannot overshoot.
   constexpr double NEAR = 0.25;
-  const double slope0 = 2 * mu_ + lambda_;
+  const double slope0 = 2 * mu_ + lambda_, k = 2 * mu_ / slope0;
   double t = -lambda_ * z / slope0;
-  if (std::abs(t) < NEAR) t -= 2 * mu_ * t * t / slope0;
+  if (std::abs(t) < NEAR) {
+    const double third = k * (2 * k - 2 / 3.), fourth = k * (k * (10 / 3. - 5 * k) - 1 / 3.);
+    t += t * t * (-k + t * (third + t * fourth));
+  }
   if (t > NEAR) t = std::min(t, 0.5 * std::log1p(-lambda_ * z / mu_));
-  double grown = 0;  // e^2t - 1
+  Exponential e(t);
   for (int i = 0; i < 60; ++i) {
-    grown = std::expm1(2 * t);
-    const double stretch = 2 * mu_ * (grown + 1), slope = stretch + lambda_;
-    const double newton = (mu_ * grown + lambda_ * (z + t)) / slope;
+    const double stretch = 2 * mu_ * (e.grown + 1), slope = stretch + lambda_;
+    const double newton = (mu_ * e.grown + lambda_ * (z + t)) / slope;
     const double step = std::abs(newton) < NEAR ? newton / (1 - newton * stretch / slope) : newton;
     t -= step;
     // Exact to rounding once the step is as short as the end asks for.
-    if (std::abs(step * step * step) <= 1e-17 * std::abs(t)) {
-      grown += (grown + 1) * 2 * step * (step - 1);
-      break;
+    const bool exact = std::abs(step * step * step) <= 1e-17 * std::abs(t);
+    if (exact && std::abs(t) > SMALL) {
+      e.grown += (e.grown + 1) * 2 * step * (step - 1);
+      e.beyond = 0.5 * e.grown - t;
+    } else {
+      e = Exponential(t);
     }
+    if (exact) break;
   }
-  const double squared = grown + 1, sum = z + t;
-  return {mu_ * beyondExp(t, grown) + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
+  const double squared = e.grown + 1, sum = z + t;
+  return {mu_ * e.beyond + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
           lambda_ * 2 * mu_ * squared / (2 * mu_ * squared + lambda_)};
 }
 
@@ -83,10 +107,10 @@ bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
   out.det_f = 1 + change;
   if (!(out.det_f > 0)) return false;
   const Matrix<D> q = f.inverse().transpose();
-  const double log_j = std::log1p(change);
-  const Volumetric v = volumetric(log_j);
+  const Logarithm log_j(change);
+  const Volumetric v = volumetric(log_j.value);
   // mu/2 (|F|^2 - D) - mu ln J, with the first orders cancelled by hand.
-  out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (beyondLog(change, log_j) - minors) + v.g;
+  out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (log_j.beyond - minors) + v.g;
   out.stress = mu_ * f + v.slope * q;
   out.compact = true;
   out.tangent.b = v.curvature;

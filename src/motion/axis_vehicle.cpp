@@ -296,7 +296,8 @@ vehicle::WingTable AxisVehicle::staticWingTable() const {
 MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) const {
   if (mode == vehicle::Mode::UNKNOWN) throw common::Error("start is unknown; allowed: F or Q");
   constexpr int STEPS = 80;
-  constexpr double H = 0.02;  // [s] long against the travel's period: each step takes most of what is left
+  constexpr double H = 0.02;       // [s] long against the travel's period: each step takes most of what is left
+  constexpr double STILL = 1e-10;  // [m] what a step moves when nothing is left
   const StaticPoint rest = mode == vehicle::Mode::FIXED_WING ? curve_->points().front() : curve_->at(curve_->second());
   const Eigen::VectorXd load = Eigen::VectorXd::Unit(controlCount(), 0) * thrust;
   Eigen::VectorXd together = allUp();
@@ -326,8 +327,14 @@ MotionState AxisVehicle::start(vehicle::Mode mode, double thrust, bool* held) co
     from.v -= H * acceleration * together;
     from.kinetic = stepper.kineticEnergy(from.v);
     stepper.step(from, H, control);
-    if (ring_ >= 0) acceleration += (ringSpeed(from) - trial_.initial_speed) / H;
+    const double faster = ring_ < 0 ? 0 : ringSpeed(from) - trial_.initial_speed;
+    acceleration += faster / H;
+    const Eigen::VectorXd moved = from.y - state.y;
+    const bool still =
+        std::abs(faster) * H < STILL &&
+        (moved - (ringPosition(from) - ringPosition(state)) * together).lpNorm<Eigen::Infinity>() < STILL;
     state = from;
+    if (still) break;
   }
   state = at(state.y - ringPosition(state) * together, as_they_are, &state);
   const double found = travel(state);

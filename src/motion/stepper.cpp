@@ -59,7 +59,8 @@ Stepper::Stepper(std::shared_ptr<const solver::TermProblem> problem, const Schem
     newton.relative_tolerance = std::max(1e-3 * settings.relative_tolerance, 1e-15);
   }
   newton.projection = settings.projection;
-  newton.keep_factor = settings.keep_factor;
+  // The saddle point of constraints that are kept asks for each tangent.
+  newton.keep_factor = settings.keep_factor && problem_->constraints() == nullptr;
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(problem_->controlCount());
   solver_ = std::make_unique<solver::EquilibriumSolver>(*step_problem_, newton, solver::ControlLine{none, none});
   for (std::size_t k = 0; k < problem_->terms().size(); ++k) {
@@ -116,14 +117,24 @@ double Stepper::storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p)
   return energy;
 }
 
-/// First guess: on with the rates of now, and the acceleration of before; bodies turn on as they do.
+/// First guess of a step: on as the steps before led. Rates at their ends would do as well for what moves smoothly, but
+/// those of stiff light cells change their sign at each step of the midpoint rule, while the cells hardly move.
+Eigen::VectorXd Stepper::guessOf(const MotionState& from, double h) {
+  if (from.mean_rate_change.size() > 0) {
+    return h * (from.mean_rate + 0.5 * (h + from.last_step) * from.mean_rate_change);
+  }
+  Eigen::VectorXd moved = h * from.v;
+  if (from.acceleration.size() > 0) moved += 0.5 * h * h * from.acceleration;
+  return moved;
+}
+
+/// Bodies turn on as they do.
 bool Stepper::solve(const MotionState& from, const solver::StepContext& context, Trial& out) {
   const solver::Coordinates& coordinates = problem_->coordinates();
   const double h = context.step.h;
   step_problem_->setStep(std::shared_ptr<const solver::StepContext>(std::shared_ptr<void>(), &context),
                          from.references);
-  Eigen::VectorXd moved = h * from.v;
-  if (from.acceleration.size() > 0) moved += 0.5 * h * h * from.acceleration;
+  const Eigen::VectorXd moved = guessOf(from, h);
   solver::Coordinates::Place now;
   coordinates.at(from.z, out.control, from.references.get(), now);
   const Eigen::VectorXd turned = coordinates.rotationRates(now, moved);
@@ -183,6 +194,10 @@ void Stepper::account(const MotionState& from, Trial& out) {
   end.y = out.x.at.place.y;
   end.v = scheme_.rates(step.h, end.y - from.y, from.v);
   end.acceleration = (end.v - from.v) / step.h;
+  end.mean_rate = (end.y - from.y) / step.h;
+  if (from.mean_rate.size() > 0) {
+    end.mean_rate_change = (end.mean_rate - from.mean_rate) / (0.5 * (step.h + from.last_step));
+  }
   end.last_step = step.h;
   end.references = from.references;
   StepAccount& account = out.account;

@@ -55,7 +55,7 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 4\n";
+const std::string MAGIC = "snapwing trial checkpoint 5\n";
 
 using common::BytesReader;
 using common::BytesWriter;
@@ -75,7 +75,7 @@ void eachNumber(AxisRun& run, const Visit& visit) {
 /// Vectors of a state, for both directions.
 template <class State>
 auto vectorsOf(State& s) {
-  return std::array{&s.z, &s.y, &s.v, &s.acceleration, &s.multipliers, &s.history};
+  return std::array{&s.z, &s.y, &s.v, &s.acceleration, &s.mean_rate, &s.mean_rate_change, &s.multipliers, &s.history};
 }
 
 void putRotations(BytesWriter& writer, const MotionState& s) {

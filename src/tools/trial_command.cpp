@@ -296,6 +296,7 @@ int runSolid(const Work& work) {
   surroundings.wings = rom::wingsAct(work.file.trial, work.vehicle.hasWing());
   const std::unique_ptr<const motion::TrialVehicle> made = vehicleOf(work, surroundings, axis);
   const motion::TrialVehicle& vehicle = *made;
+  const double cpu_of_vehicle = cpuSeconds() - cpu_before;
   motion::AxisTrial trial = motion::AxisTrial::of(work.file.start, work.fraction, work.file.pulse.duration,
                                                   work.parameters, work.idle, work.file.trial);
   for (const motion::TrialLevel& level : work.file.then) trial.then.push_back({work.fractionOf(level), level.duration});
@@ -313,7 +314,9 @@ int runSolid(const Work& work) {
   motion::AxisRunHooks hooks;
   const TrialFrames frames(vehicle, work.folder, work.options.vtu_every);
   frames.take(run);
+  double cpu_of_start = -1;
   hooks.stepped = [&](const motion::AxisRun& now) {
+    if (cpu_of_start < 0) cpu_of_start = cpuSeconds() - cpu_before - cpu_of_vehicle;
     frames.take(now);
     return progress(now);
   };
@@ -328,6 +331,8 @@ int runSolid(const Work& work) {
   // Phases are timed by the clock: of a busy machine's each gets its share of the CPU.
   const double share = cpu / (solver::secondsNow() - clock_before);
   summary["cpu_seconds"] = {{"all", cpu},
+                            {"vehicle", cpu_of_vehicle},
+                            {"start", std::max(0.0, cpu_of_start)},
                             {"assembly", share * stepper.secondsAssembly()},
                             {"factor", share * stepper.secondsFactor()},
                             {"solve", share * stepper.secondsSolve()}};

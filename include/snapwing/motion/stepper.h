@@ -23,11 +23,13 @@ struct MotionState {
   Eigen::VectorXd y, v;                                  ///< full coordinates [m] and rates [m/s]
   Eigen::VectorXd multipliers;   ///< of kept constraints, mean of the last step [N]; empty without, or where unknown
   Eigen::VectorXd acceleration;  ///< mean of the last step [m/s2]; empty at the start and after jumps
-  double last_step = 0;          ///< [s] that it was
-  double next_step = 0;          ///< [s] that the error asks for; 0: the largest
-  double kinetic = 0;            ///< [J]
-  double stored = 0;             ///< [J] that of internal variables included
-  Eigen::VectorXd history;       ///< internal variables of the terms that have some, in the problem's order
+  Eigen::VectorXd mean_rate;     ///< the last step over its time [m/s]; empty at the start and after jumps
+  Eigen::VectorXd mean_rate_change;  ///< how it changed since the step before [m/s2]; empty until there are two
+  double last_step = 0;              ///< [s] that it was
+  double next_step = 0;              ///< [s] that the error asks for; 0: the largest
+  double kinetic = 0;                ///< [J]
+  double stored = 0;                 ///< [J] that of internal variables included
+  Eigen::VectorXd history;           ///< internal variables of the terms that have some, in the problem's order
 };
 
 struct StepperSettings {
@@ -109,6 +111,7 @@ class Stepper {
   struct Trial;
   bool attempt(const MotionState& from, double h, const ControlOf& control, Trial& out);
   bool solve(const MotionState& from, const solver::StepContext& context, Trial& out);
+  static Eigen::VectorXd guessOf(const MotionState& from, double h);
   void account(const MotionState& from, Trial& out);
   /// Solves the step again until its account closes. @return false: no bounded force does it
   bool correct(const MotionState& from, Trial& out);
