@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/common/bisection.h"
+#include "snapwing/common/error.h"
 #include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/validation/rung_trial.h"
@@ -67,6 +69,14 @@ Asked readOptions(int argc, char** argv) {
   return out;
 }
 
+/// Stick that asks for a share of the full thrust.
+double throttleFor(const vehicle::Vehicle& vehicle, double quadratic_share, double fraction) {
+  if (fraction >= 1) return 1;
+  return common::bisect(
+      [&](double stick) { return vehicle::thrustFraction(quadratic_share, vehicle.radio, stick) - fraction; }, 0.0, 1.0,
+      60);
+}
+
 /// The arm of these cells as the runner has it, as a table.
 vehicle::ForceTable curveOf(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                             const validation::RungTrial& trial) {
@@ -96,6 +106,7 @@ int main(int argc, char** argv) {
   Asked asked = readOptions(argc, argv);
   const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
+  const vehicle::VehicleParameters parameters = vehicle::realise(vehicle, table);
   const std::optional<vehicle::WingTable> no_wing;
   const validation::RungRunner runner(vehicle, table, no_wing);
   std::printf(
@@ -104,10 +115,16 @@ int main(int argc, char** argv) {
   for (const double cell : asked.cells) {
     validation::RungTrial trial = asked.trial;
     trial.cell_size = cell;
-    const vehicle::ForceTable own = curveOf(vehicle, table, trial);
+    vehicle::ForceTable own;
+    try {
+      own = curveOf(vehicle, table, trial);
+    } catch (const common::Error& e) {  // cells so coarse that the arm has no curve
+      std::fprintf(stderr, "%.2f mm: %s\n", 1e3 * cell, e.what());
+      continue;
+    }
     for (const auto& [start, fraction] : asked.cases) {
       trial.start = start;
-      trial.pulse.throttle = vehicle::throttleForThrust(vehicle, fraction);
+      trial.pulse.throttle = throttleFor(vehicle, parameters.quadratic_share, fraction);
       validation::RungTrial lumped = trial;
       lumped.rung = motion::TrialRung::LUMPED;
       lumped.resolution = 2e-5;

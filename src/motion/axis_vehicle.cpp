@@ -31,7 +31,8 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   memory_known_ = !vehicle.material.relaxation.terms.empty();
   if (settings.relaxation) {
     for (const auto& term : vehicle.material.relaxation.terms) {
-      series_.branches.push_back({term.share.value, term.time.value});
+      series_.branches.push_back({term.share.value + settings.relaxation_share * term.share.plus_minus,
+                                  term.time.value + settings.relaxation_time * term.time.plus_minus});
     }
     series_.validate();
   }

@@ -21,11 +21,18 @@ void readBox(SettingsReader& reader, TrialFile& out) {
   const std::vector<std::string>& names = vehicle::uncertainNames();
   out.box.assign(names.size(), 0.0);
   if (box.has("seed")) {
-    out.box = drawnBox(box.integer("seed", 0, 1000000000));
+    drawVehicle(box.integer("seed", 0, 1000000000), out);
   }
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (box.has(names[k])) out.box[k] = box.number(names[k], {-1, 1}, "half widths");
   }
+  const auto memory = [&](const char* name, double& place) {
+    if (!box.has(name)) return;
+    if (out.rung == TrialRung::LUMPED) box.fail(name, "given", "with rung planar or volumetric only");
+    place = box.number(name, {-1, 1}, "half widths");
+  };
+  memory("material.relaxation.share", out.axis.relaxation_share);
+  memory("material.relaxation.time", out.axis.relaxation_time);
   box.finish();
 }
 

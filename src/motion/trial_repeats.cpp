@@ -16,17 +16,19 @@ void varyLevel(TrialLevel& level, const TrialVariation& by, std::mt19937_64& ran
   level.duration = std::max(0.0, level.duration + by.duration * common::uniformAbout0(random));
 }
 
-std::vector<double> drawBox(std::mt19937_64& random) {
-  std::vector<double> box(vehicle::uncertainNames().size());
-  for (double& value : box) value = common::uniformAbout0(random);
-  return box;
+/// The memory's numbers come last, so that those of the box are what they were without.
+void draw(std::mt19937_64& random, TrialFile& out) {
+  out.box.resize(vehicle::uncertainNames().size());
+  for (double& value : out.box) value = common::uniformAbout0(random);
+  out.axis.relaxation_share = common::uniformAbout0(random);
+  out.axis.relaxation_time = common::uniformAbout0(random);
 }
 
 }  // namespace
 
-std::vector<double> drawnBox(int seed) {
+void drawVehicle(int seed, TrialFile& out) {
   std::mt19937_64 random(static_cast<std::uint64_t>(seed));
-  return drawBox(random);
+  draw(random, out);
 }
 
 TrialFile repeatOf(const TrialFile& file, int index) {
@@ -43,7 +45,7 @@ TrialFile repeatOf(const TrialFile& file, int index) {
   std::mt19937_64 random(seeds);
   varyLevel(out.pulse, file.vary, random);
   for (TrialLevel& level : out.then) varyLevel(level, file.vary, random);
-  if (file.vary.vehicle) out.box = drawBox(random);
+  if (file.vary.vehicle) draw(random, out);
   return out;
 }
 

@@ -6,8 +6,10 @@
 #include "restart.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_trial.h"
+#include "snapwing/motion/trial_file.h"
 #include "snapwing/motion/trial_record.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "snapwing/vehicle/vehicle_parameters.h"
 #include "support/paths.h"
 
 namespace snapwing::motion {
@@ -90,6 +92,39 @@ TEST(RelaxingVehicle, StatesWhichModulusTheFileHas) {
   EXPECT_EQ(slow.curve().forceAt(0.01), force);
   EXPECT_NEAR(fast.curve().forceAt(0.01) / force, 0.8, 1e-4);
   EXPECT_EQ(none.leftOut().size(), slow.leftOut().size() + 1);
+}
+
+/// Half widths of shares and times are part of a trial's box: what they move is the series, and so the fast modulus.
+TEST(RelaxingVehicle, LiesWhereTheTrialSaysInItsHalfWidths) {
+  Relaxing r({branch(0.05, 0.02), branch(0.05, 300)}, true);
+  for (auto& term : r.vehicle.material.relaxation.terms) {
+    term.share.plus_minus = 0.4 * term.share.value, term.time.plus_minus = 0.5 * term.time.value;
+  }
+  const double nominal = r.make().curve().forceAt(0.01);
+  r.settings.relaxation_share = 1;
+  r.settings.relaxation_time = -1;
+  const AxisVehicle edge = r.make();
+  EXPECT_NEAR(edge.series().branches[0].share, 0.07, 1e-15);
+  EXPECT_NEAR(edge.series().branches[1].time, 150, 1e-12);
+  EXPECT_NEAR(edge.curve().forceAt(0.01) / nominal, 0.86 / 0.9, 1e-4) << "what is left after a long rest";
+  r.settings.relaxation_share = 30;
+  EXPECT_THROW(r.make(), common::Error) << "shares of more than the whole";
+}
+
+/// A seed draws both, and leaves the other numbers of the box what they are without.
+TEST(RelaxingVehicle, ASeedDrawsItsHalfWidths) {
+  TrialFile one, other;
+  drawVehicle(3, one);
+  drawVehicle(4, other);
+  ASSERT_EQ(one.box.size(), vehicle::uncertainNames().size());
+  for (const TrialFile* file : {&one, &other}) {
+    for (const double place : {file->axis.relaxation_share, file->axis.relaxation_time}) EXPECT_LT(std::abs(place), 1);
+  }
+  EXPECT_NE(one.axis.relaxation_share, other.axis.relaxation_share);
+  EXPECT_NE(one.axis.relaxation_time, one.axis.relaxation_share);
+  one.repeats = 2;
+  one.vary.vehicle = true;
+  EXPECT_NE(repeatOf(one, 0).axis.relaxation_share, repeatOf(one, 1).axis.relaxation_share);
 }
 
 /// A branch that hardly relaxes within a trial makes a stiffer arm: the same pulse crosses later.

@@ -160,6 +160,28 @@ TEST(SpaceVehicle, PropellersTurnItAndLoseThrustWithSpeed) {
   EXPECT_NEAR(fast.linearMomentum(b, slower)(1) - before, time * (0.49 - 0.7 * 0.75) * full, 0.002 * time * full);
 }
 
+/// While the rotors' lag T = T_0 (1 - exp(-t / tau)) lasts the battery takes s T / T_full of it: the momentum is the
+/// integral of T - s T^2 / T_full.
+TEST(SpaceVehicle, ABatteryThatSagsTakesItsShareOfTheThrust) {
+  const double sag = 0.3, tau = 0.02, until = 0.03, asked = 30;
+  SpaceSettings space;
+  space.sag = sag;
+  const SpaceVehicle v = vehicleOf(vehicle::Mount::FREE, space);
+  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  ThrustHistory thrust(0, tau, tau);
+  thrust.demand(0, asked);
+  MotionState s = v.start(vehicle::Mode::FIXED_WING, 0);
+  while (s.time < until) {
+    stepper.step(s, until, [&](double from, double h) { return v.controls(from, h, thrust.mean(from, from + h)); });
+  }
+  const double x = until / tau, full = Shipped().parameters.max_thrust;
+  const double once = asked * tau * (x - 1 + std::exp(-x));
+  const double squared = asked * asked * tau * (x - 1.5 + 2 * std::exp(-x) - 0.5 * std::exp(-2 * x));
+  const double wanted = once - sag * squared / full;
+  EXPECT_GT(once - wanted, 0.05 * once) << "the sag counts";
+  EXPECT_NEAR(v.linearMomentum(stepper, s)(1), wanted, 5e-4 * wanted);
+}
+
 TEST(SpaceVehicle, ABoomTurnsAndItsCentreIsPulledOutwards) {
   const double length = Shipped().vehicle.boom.length.value, speed = 6, time = 0.01;
   const SpaceVehicle v = vehicleOf(vehicle::Mount::BOOM, {}, speed);

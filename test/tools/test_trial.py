@@ -1,6 +1,7 @@
 """`snapwing trial`: its files, what it refuses, and that a killed run goes on to the same bits."""
 import csv
 import json
+import math
 import os
 import pathlib
 import re
@@ -136,6 +137,32 @@ class Trial(Case):
             for joint, column in (("travel", "travel_m"), ("wing_left", "wing_left_rad"), ("wing_right", "wing_right_rad")):
                 self.assertAlmostEqual(found[joint], row[column], delta=1e-8)
 
+    def test_a_boom_runs_out_as_friction_and_drag_say(self):
+        self.snapwing("trial", ROOT / "config" / "trials" / "boom_spin_down.yaml", "-o", "out", "-q")
+        model = json.loads((self.folder / "out" / "summary.json").read_text())["model"]["bodies"]
+        mass = model["ring_mass"] + model["centre_mass"] + model["arms_mass"]
+        drag = model["ring_drag"] + model["centre_drag"]
+        text = (ROOT / "config" / "vehicles" / "arris_x220.yaml").read_text()
+        friction = float(re.search(r"\bfriction: \{value: ([0-9.]+), unit: N,", text).group(1))
+        with open(self.folder / "out" / "series.csv", encoding="utf-8") as file:
+            rows = [{key: float(value) for key, value in row.items() if value} for row in csv.DictReader(file)]
+        root, late = math.sqrt(friction / drag), rows[-1]["time_s"]
+        self.assertGreater(late, 4)
+        begin = math.atan(rows[0]["ring_speed_m_per_s"] / root)
+
+        def speed(time):  # m v' = -f - c v^2
+            return root * math.tan(begin - time * math.sqrt(friction * drag) / mass)
+
+        for row in rows[::200] + rows[-1:]:
+            # The bearing's friction falls with 2e-2 m/s / v below its full strength, which is a thousandth of it here.
+            self.assertAlmostEqual(row["ring_speed_m_per_s"], speed(row["time_s"]), delta=0.001 * 1.5)
+        # Either brake alone would leave it faster by far.
+        self.assertGreater(root * math.tan(begin) - speed(late), 0.3)
+        self.assertGreater(1.5 - friction * late / mass - speed(late), 0.05)
+        self.assertGreater(1 / (1 / 1.5 + drag * late / mass) - speed(late), 0.1)
+        loss = rows[-1]["loss_J"]
+        self.assertAlmostEqual(loss, 0.5 * mass * (1.5 ** 2 - rows[-1]["ring_speed_m_per_s"] ** 2), delta=0.002 * loss)
+
     def test_a_build_without_ros_says_so_before_the_work(self):
         alone = self.folder / "bin" / "snapwing"
         alone.parent.mkdir()
@@ -164,6 +191,8 @@ class Trial(Case):
                               (("thrust: 0.5, ", ""), ("throttle", "missing")),
                               (("cell_size: 0.0025", "cell_size: 0.5"), ("solid.cell_size", "0.5", "0.02")),
                               (("rung: planar", "uncertain: {motor: 1}\nrung: planar"), ("motor",)),
+                              (("rung: planar", "uncertain: {material.relaxation.time: 2}\nrung: planar"), ("relaxation.time", "2", "half widths")),
+                              (("rung: planar\nsolid: {cell_size: 0.0025}", "uncertain: {material.relaxation.share: 1}\nrung: lumped"), ("relaxation.share", "planar")),
                               (("rung: planar", "time: {bias: 0.1, scheme: backward_euler}\nrung: planar"), ("bias", "midpoint"))):
             with self.subTest(change=change):
                 said = self.refusal("trial", self.file("bad.yaml", self.text(change)), "-o", "bad", "-q")

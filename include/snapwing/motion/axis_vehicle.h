@@ -48,6 +48,8 @@ struct AxisSettings {
   mpm::MassKind mass = mpm::MassKind::CONSISTENT;
   DampingLaw damping = DampingLaw::TRAVEL;
   bool relaxation = true;         ///< with the memory of the material that the vehicle file states, if any
+  double relaxation_share = 0;    ///< where its shares lie in their half widths, [-1, 1]
+  double relaxation_time = 0;     ///< the same of its times
   double stop_stiffness = 5e4;    ///< [N/m] of the upper stop; assumption, as the restitution
   double stop_restitution = 0.5;  ///< [1] in (0, 1]
   /// [N m] by which a wing's crank is held in the mean rotation of its arm within 4 mm of the axle: an assumption,

@@ -56,8 +56,9 @@ struct TrialFile {
 
 /// One of a trial's repeats, by seed and index alone. @param index  0 .. repeats - 1
 TrialFile repeatOf(const TrialFile& file, int index);
-/// A vehicle of the box, coordinates in [-1, 1] of vehicle::uncertainNames().
-std::vector<double> drawnBox(int seed);
+/// A vehicle of the box by its seed: coordinates in [-1, 1] of vehicle::uncertainNames(), then of the material's
+/// memory.
+void drawVehicle(int seed, TrialFile& out);
 
 /// @throws common::FileError, common::SettingError naming key, value and range
 TrialFile loadTrial(const std::string& path);
