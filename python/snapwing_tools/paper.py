@@ -38,6 +38,10 @@ class Run:
         self.outcome, self.pulse = self.summary["outcome"], self.summary["pulse"]
 
     @property
+    def cpu_seconds(self):
+        return self.summary.get("cpu_seconds", {}).get("all", 0.0)
+
+    @property
     def switched(self):
         return bool(self.outcome["snapped"])
 
@@ -251,8 +255,8 @@ TITLES = {
 }
 
 
-def page(runs, failures, drawn):
-    """One page of HTML with everything inside it."""
+def page(runs, failures, drawn, others=None):
+    """One page of HTML with everything inside it. others: shipped trials that are none of the paper's."""
     table = rows(runs)
     bad = [row for row in table if row[3] in (DISAGREES, PARTLY)]
     body = ["<h1>The paper's experiments, simulated</h1>",
@@ -267,6 +271,9 @@ def page(runs, failures, drawn):
         if name in drawn:
             svg = drawn[name][drawn[name].index("<svg"):]
             body.append(html_page.figure(name, title, caption, f'<div style="background:#fff;padding:.4rem">{svg}</div>'))
+    if others:
+        body.append("<h2>Other shipped trials</h2>" + html_page.table(
+            [(name, run.words(), f"{run.cpu_seconds:.1f}") for name, run in others.items()], ("trial", "what came out", "CPU s")))
     left_out = sorted({what for run in runs.values() for what in run.summary["model"].get("left_out", [])})
     body.append("<h2>What these trials leave out</h2>" + html_page.table([(what,) for what in left_out]))
     if failures:

@@ -47,6 +47,11 @@ scene::Scene armBodies(const vehicle::Vehicle& vehicle, double force_scale, cons
   return scene;
 }
 
+double largestStrain(const scene::CompiledScene& arms, const Eigen::VectorXd& displacements) {
+  return arms.planar() != nullptr ? arms.planar()->largestStrain(displacements)
+                                  : arms.volumetric()->largestStrain(displacements);
+}
+
 bool ofAxle(const scene::CompiledScene& arms, int dof) {
   const mpm::Discretisation<3>* solid = arms.volumetric();
   if (solid == nullptr || dof % 3 != 0) return false;

@@ -119,6 +119,7 @@ class Watch {
   AxisSample sample(const MotionState& s) const {
     AxisSample out = vehicle_.sample(s);
     out.thrust = thrust_.at(s.time);
+    out.relative_kinetic = vehicle_.relativeKinetic(s, stepper_);
     return out;
   }
 
@@ -141,6 +142,7 @@ class Watch {
     out.peak_travel = std::max(out.peak_travel, high);
     out.peak_speed = std::max(out.peak_speed, std::abs(now.ring_speed));
     out.largest_imbalance = std::max(out.largest_imbalance, std::abs(now.imbalance));
+    out.largest_strain = std::max(out.largest_strain, now.strain);
     ++out.steps;
     out.iterations += account.iterations;
     out.factorizations += account.factorizations;
@@ -202,6 +204,7 @@ void begin(const TrialVehicle& vehicle, const AxisTrial& trial, const Watch& wat
   run.samples.push_back(watch.sample(run.state));
   run.outcome.least_travel = run.outcome.peak_travel = run.samples.back().travel;
   run.outcome.peak_speed = std::abs(run.samples.back().ring_speed);
+  run.outcome.largest_strain = run.samples.back().strain;
 }
 
 }  // namespace

@@ -26,7 +26,10 @@ constexpr double CURVE_STEP = 0.002;     // [m]
 AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
                          const vehicle::Trial& trial, const AxisSettings& settings,
                          const std::optional<vehicle::WingTable>& wing)
-    : trial_(trial), settings_(settings), stop_(vehicle.limits.travel_min) {
+    : trial_(trial),
+      settings_(settings),
+      stop_(vehicle.limits.travel_min),
+      wing_stop_(settings.wing_stop.value_or(vehicle.wing.stop.value)) {
   trial.validate();
   memory_known_ = !vehicle.material.relaxation.terms.empty();
   if (settings.relaxation) {
@@ -47,7 +50,7 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   std::vector<double> shares;
   for (const int arms : groups_) shares.push_back(arms / static_cast<double>(groups_.front()));
   scene_ = scene::compileScene(armBodies(vehicle, parameters.force_scale, settings, series_, shares), settings.threads);
-  curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP);
+  curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP, settings.cancelled);
   if (!curve_->bistable()) {
     throw common::Error("vehicle '" + vehicle.name +
                         "': its arm has no second equilibrium up to limits.travel_max at " +
@@ -133,7 +136,7 @@ void AxisVehicle::placeWings() {
 std::vector<std::shared_ptr<const Term>> AxisVehicle::wingForces() {
   std::vector<std::shared_ptr<const Term>> out = wings_.pins();
   for (int wing = 0; wing < wings_.wingCount(); ++wing) {
-    if (settings_.wing_stop > 0) out.push_back(wings_.stop(wing, settings_.wing_stop));
+    if (wing_stop_ > 0) out.push_back(wings_.stop(wing, wing_stop_));
     if (settings_.wings_follow_travel) {
       out.push_back(wings_.travelHub(wing, travelRow(), staticRotation(), settings_.hub_stiffness));
       continue;
@@ -394,6 +397,7 @@ AxisSample AxisVehicle::sample(const MotionState& s) const {
     out.wing_left = wingAngle(s, true), out.wing_right = wingAngle(s, false);
     out.hub_twist = hubTwist(s);
   }
+  out.strain = largestStrain(*scene_, s.y.head(nodes_));
   out.kinetic = s.kinetic / share_;
   out.stored = s.stored / share_;
   return out;
@@ -402,6 +406,13 @@ AxisSample AxisVehicle::sample(const MotionState& s) const {
 double AxisVehicle::commonSpeed(const MotionState& s, const Stepper& stepper) const {
   const Eigen::VectorXd up = allUp();
   return up.dot(stepper.momentum(s.v)) / up.dot(stepper.momentum(up));
+}
+
+double AxisVehicle::relativeKinetic(const MotionState& s, const Stepper& stepper) const {
+  if (ring_ < 0) return s.kinetic / share_;
+  const Eigen::VectorXd up = allUp(), moved = stepper.momentum(up);
+  const double momentum = moved.dot(s.v);
+  return (s.kinetic - momentum * momentum / (2 * moved.dot(up))) / share_;
 }
 
 std::string AxisVehicle::vtu(const MotionState& s) const {

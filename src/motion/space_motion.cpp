@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "snapwing/common/plain_text.h"
+#include "snapwing/motion/arm_bodies.h"
 #include "snapwing/motion/space_vehicle.h"
 
 namespace snapwing::motion {
@@ -110,6 +111,7 @@ AxisSample SpaceVehicle::sample(const MotionState& s) const {
   out.drift = std::hypot(place(0), place(2));
   out.turn_rate = ringTurning(s).norm();
   out.kinetic = s.kinetic, out.stored = s.stored;
+  out.strain = largestStrain(*scene_, s.y.head(nodes_));
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
@@ -12,9 +13,10 @@ namespace snapwing::motion {
 namespace {
 
 /// Coarse curve, from which steps in time go on: rounding of a solid's light cells may reach 1e-9 of its forces.
-solver::NewtonSettings tolerances() {
+solver::NewtonSettings tolerances(const std::function<bool()>& cancelled) {
   solver::NewtonSettings settings;
   settings.relative_tolerance = 1e-8;
+  settings.cancelled = cancelled;
   return settings;
 }
 
@@ -53,7 +55,8 @@ vehicle::ForceTable tableOf(const std::vector<StaticPoint>& points) {
 
 }  // namespace
 
-StaticCurve::StaticCurve(const scene::CompiledScene& scene, double to, double step) : scene_(scene) {
+StaticCurve::StaticCurve(const scene::CompiledScene& scene, double to, double step, std::function<bool()> cancelled)
+    : scene_(scene), cancelled_(std::move(cancelled)) {
   if (!(to > 0) || !(step > 0)) throw common::Error("a static curve goes to a control > 0 in steps > 0");
   follow(to, step);
   table_ = tableOf(points_);
@@ -61,7 +64,7 @@ StaticCurve::StaticCurve(const scene::CompiledScene& scene, double to, double st
 }
 
 void StaticCurve::follow(double to, double step) {
-  solver::EquilibriumSolver solver(scene_->problem(), tolerances());
+  solver::EquilibriumSolver solver(scene_->problem(), tolerances(cancelled_));
   solver::Equilibrium x = solver.start(Eigen::VectorXd::Zero(scene_->problem().freeCount()), 0);
   solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(0, result);
@@ -74,7 +77,7 @@ void StaticCurve::follow(double to, double step) {
     result = solver.minimise(trial);
     if (!result.converged()) {
       smaller *= 0.5;
-      if (smaller < 1e-3) notFound(next, result);
+      if (smaller < 1e-3 || result.status == solver::SolveStatus::CANCELLED) notFound(next, result);
       next = points_.back().control + smaller * to / count;
       continue;
     }
@@ -91,7 +94,7 @@ StaticPoint StaticCurve::at(double control) const {
       std::min_element(points_.begin(), points_.end(), [&](const StaticPoint& a, const StaticPoint& b) {
         return std::abs(a.control - control) < std::abs(b.control - control);
       });
-  solver::EquilibriumSolver solver(scene_->problem(), tolerances());
+  solver::EquilibriumSolver solver(scene_->problem(), tolerances(cancelled_));
   solver::Equilibrium x = solver.start(nearest->z + (control - nearest->control) * nearest->slope, control);
   const solver::NewtonResult result = solver.minimise(x);
   if (!result.converged()) notFound(control, result);

@@ -5,6 +5,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/settings_reader.h"
+#include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/vehicle/vehicle_parameters.h"
 
@@ -108,6 +109,10 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
   if (solid.has("kernel"))
     out.axis.kernel = scene::kernelFromName(solid.choice("kernel", {"linear", "linear_reduced", "quadratic"}));
   out.axis.cell_size = solid.numberOr("cell_size", 0, {0, 0.02}, "m");
+  if (solid.has("coarsening")) {
+    const bool keeps_mass = solid.choice("coarsening", {"stiffness", "mass"}) == "mass";
+    out.axis.coarsening_power = keeps_mass ? 1 : elasticity::DensityInterpolation().power;
+  }
   out.axis.least_density = solid.numberOr("least_density", out.axis.least_density, {0, 0.99}, "1");
   if (solid.has("mass")) {
     out.axis.mass =
@@ -122,7 +127,7 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
   out.axis.stop_restitution = solid.numberOr("stop_restitution", out.axis.stop_restitution, {0.01, 1}, "1");
   out.axis.hub_stiffness = solid.numberOr("hub_stiffness", out.axis.hub_stiffness, {1, 1e6}, "N m");
   out.axis.hub_radius = solid.numberOr("hub_radius", out.axis.hub_radius, {1e-3, 0.1}, "m");
-  out.axis.wing_stop = solid.numberOr("wing_stop", out.axis.wing_stop, {0, 1e5}, "N m");
+  if (solid.has("wing_stop")) out.axis.wing_stop = solid.number("wing_stop", {0, 1e5}, "N m");
   if (solid.has("wings_follow")) {
     out.axis.wings_follow_travel = solid.choice("wings_follow", {"arm", "travel"}) == "travel";
   }

@@ -20,7 +20,7 @@ struct Column {
   double AxisSample::*value;
 };
 
-constexpr std::array<Column, 22> COLUMNS{{{"time", "s", &AxisSample::time},
+constexpr std::array<Column, 24> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"travel", "m", &AxisSample::travel},
                                           {"travel_rate", "m/s", &AxisSample::travel_rate},
                                           {"arm_rotation", "rad", &AxisSample::arm_rotation},
@@ -40,6 +40,8 @@ constexpr std::array<Column, 22> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"work", "J", &AxisSample::work},
                                           {"loss", "J", &AxisSample::loss},
                                           {"imbalance", "J", &AxisSample::imbalance},
+                                          {"relative_kinetic_energy", "J", &AxisSample::relative_kinetic},
+                                          {"strain", "1", &AxisSample::strain},
                                           {"step", "s", &AxisSample::step},
                                           {"min_det_f", "1", &AxisSample::min_det_f}}};
 
@@ -67,7 +69,7 @@ void eachNumber(AxisRun& run, const Visit& visit) {
   for (double* value : {&s.time, &s.last_step, &s.next_step, &s.kinetic, &s.stored, &run.calm_since}) visit(*value);
   AxisOutcome& o = run.outcome;
   for (double* value : {&o.snap_time, &o.peak_travel, &o.least_travel, &o.end_travel, &o.peak_speed, &o.end_speed,
-                        &o.settle_time, &o.largest_imbalance}) {
+                        &o.settle_time, &o.largest_imbalance, &o.largest_strain}) {
     visit(*value);
   }
 }

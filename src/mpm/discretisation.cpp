@@ -1,5 +1,6 @@
 #include "snapwing/mpm/discretisation.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -230,6 +231,29 @@ elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eig
     f += u.template segment<D>(D * cellNodes(cell)[a]) * slope.col(a).transpose();
   }
   return f;
+}
+
+template <int D>
+double Discretisation<D>::largestStrain(const Eigen::VectorXd& u) const {
+  Eigen::VectorXd value;
+  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
+  double largest = 0;
+  int body = -1;
+  for (int cell = 0; cell < cellCount(); ++cell) {
+    if (cell_body_[cell] != body) {
+      body = cell_body_[cell];
+      grids_[body].weights(Vector<D>::Constant(0.5), value, slope);
+    }
+    elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
+    for (int a = 0; a < stencil_; ++a) {
+      f += u.template segment<D>(D * cellNodes(cell)[a]) * slope.col(a).transpose();
+    }
+    Eigen::SelfAdjointEigenSolver<elasticity::Matrix<D>> squares;
+    squares.computeDirect(f.transpose() * f, Eigen::EigenvaluesOnly);
+    const double stretch = std::sqrt(squares.eigenvalues()(D - 1));
+    largest = std::max(largest, std::sqrt(cells_[cell].density) * (stretch - 1));
+  }
+  return largest;
 }
 
 template class Discretisation<2>;

@@ -21,6 +21,7 @@
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/solver/sparse.h"
+#include "snapwing/validation/kept_results.h"
 #include "snapwing/validation/prediction_json.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_bag_call.h"
@@ -179,6 +180,7 @@ class Progress {
 ordered_json motionJson(const motion::AxisOutcome& o) {
   ordered_json json = validation::outcomeJson(o);
   json.update({{"largest_imbalance", o.largest_imbalance},
+               {"largest_strain", o.largest_strain},
                {"steps", o.steps},
                {"iterations", o.iterations},
                {"factorizations", o.factorizations}});
@@ -217,6 +219,7 @@ ordered_json bodiesJson(const Work& work, const motion::TrialVehicle& vehicle) {
           {"arms_mass", vehicle.armMass()},
           {"ring_drag", p.ring_drag + (boom ? p.boom_drag : 0)},
           {"centre_drag", p.centre_drag},
+          {"ring_friction", boom ? p.boom_friction : 0.0},
           {"damping_of_travel", p.damping},
           {"max_thrust", p.max_thrust},
           {"idle_fraction", work.idle},
@@ -228,23 +231,26 @@ ordered_json bodiesJson(const Work& work, const motion::TrialVehicle& vehicle) {
 ordered_json modelJson(const Work& work, const motion::TrialVehicle& vehicle) {
   const motion::TrialFile& f = work.file;
   const motion::StaticCurve& curve = vehicle.curve();
-  return {{"freedom", f.six ? "six" : "axis"},
-          {"cells", vehicle.cellCount()},
-          {"free_coordinates", vehicle.freeCount()},
-          {"kernel", scene::kernelName(f.axis.kernel)},
-          {"cell_size", f.axis.cell_size},
-          {"scheme", motion::schemeName(f.scheme)},
-          {"largest_step", f.steps.largest_step},
-          {"step_error", f.steps.error},
-          {"damping", motion::dampingName(f.axis.damping)},
-          {"bodies", bodiesJson(work, vehicle)},
-          {"linkage",
-           vehicle.linkage() != nullptr ? linkageJson(*vehicle.linkage(), work.file.axis) : ordered_json(nullptr)},
-          {"static_barrier", curve.barrier()},
-          {"static_valley_force", vehicle.valleyForce()},
-          {"static_second_equilibrium", curve.second()},
-          {"kept", vehicle.kept()},
-          {"left_out", vehicle.leftOut()}};
+  return {
+      {"freedom", f.six ? "six" : "axis"},
+      {"cells", vehicle.cellCount()},
+      {"free_coordinates", vehicle.freeCount()},
+      {"kernel", scene::kernelName(f.axis.kernel)},
+      {"cell_size", f.axis.cell_size},
+      {"coarsening", f.axis.coarsening_power > 1 ? "stiffness" : "mass"},
+      {"scheme", motion::schemeName(f.scheme)},
+      {"largest_step", f.steps.largest_step},
+      {"step_error", f.steps.error},
+      {"damping", motion::dampingName(f.axis.damping)},
+      {"bodies", bodiesJson(work, vehicle)},
+      {"linkage",
+       vehicle.linkage() != nullptr ? linkageJson(*vehicle.linkage(), work.file.axis) : ordered_json(nullptr)},
+      {"strain_limit", work.vehicle.material.strain_limit ? work.vehicle.material.strain_limit->low() : std::nan("")},
+      {"static_barrier", curve.barrier()},
+      {"static_valley_force", vehicle.valleyForce()},
+      {"static_second_equilibrium", curve.second()},
+      {"kept", vehicle.kept()},
+      {"left_out", vehicle.leftOut()}};
 }
 
 void writeRecord(const Work& work, const motion::TrialVehicle& vehicle, const motion::AxisRun& run,
@@ -275,6 +281,13 @@ void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
               1e3 * o.peak_travel, 1e3 * o.largest_imbalance);
   std::printf("%d steps, %d iterations, %d factorizations, %.2f CPU seconds\n", o.steps, o.iterations, o.factorizations,
               cpu);
+  std::printf("largest strain of the arms %.3g", o.largest_strain);
+  const auto& limit = work.vehicle.material.strain_limit;
+  if (limit) {
+    std::printf("; the material bears %.3g once, how many times is unknown\n", limit->low());
+  } else {
+    std::printf("; what the material bears is unknown (material.strain_limit)\n");
+  }
   if (!o.start_held) std::printf("note: the start mode is no equilibrium under the loads before the pulse\n");
 }
 
@@ -391,11 +404,10 @@ int runRepeats(const Options& options, const motion::TrialFile& file, const std:
   for (int k = 0; k < file.repeats && !InterruptGuard::interrupted(); ++k) {
     const motion::TrialFile one = motion::repeatOf(file, k);
     const Work work(options, one, options.folder + "/" + one.name);
-    ordered_json row = {{"trial", one.name}, {"key", work.hash()}, {"exit_code", 0}};
-    std::ifstream kept(work.path("done.json"));
-    const ordered_json before = kept ? ordered_json::parse(kept, nullptr, false) : ordered_json();
-    if (before.is_object() && before.value("key", "") == row["key"]) {
-      row = before;
+    ordered_json row = {{"trial", one.name}, {"exit_code", 0}};
+    const validation::KeptResults kept(work.folder);
+    if (const std::optional<ordered_json> before = kept.load("done", work.hash())) {
+      row = *before;
     } else {
       row["exit_code"] = runOne(work, bag_program);
       std::ifstream text(work.path("summary.json"));
@@ -405,7 +417,7 @@ int runRepeats(const Options& options, const motion::TrialFile& file, const std:
       for (const char* name : {"end_mode", "snapped", "snap_time", "peak_travel"}) row[name] = summary["outcome"][name];
       row["room_to_travel_max"] = work.vehicle.limits.travel_max - row["peak_travel"].get<double>();
       row["lumped_margin"] = lumpedMargin(work);
-      common::writeFileAtomically(work.path("done.json"), common::jsonText(row));
+      kept.save("done", work.hash(), row);
     }
     code = std::max(code, row["exit_code"].get<int>());
     repeats.push_back(row);

@@ -51,7 +51,7 @@ class PlanGate {
   std::vector<Check> checks() {
     for (const ValidationTrial& t : found_.trials) {
       if (t.plan != plan_ || t.role == TrialRole::THRESHOLD || t.finer) continue;
-      if (t.role == TrialRole::SAMPLE) continue;
+      if (t.role == TrialRole::SAMPLE || t.trial.on_curve) continue;
       endsRight(t);
     }
     samples();
@@ -68,7 +68,6 @@ class PlanGate {
   static std::string roleName(const ValidationTrial& t) {
     if (t.role == TrialRole::HALF_STEP) return "half step";
     const std::string kernel = t.trial.kernel == scene::SceneKernel::LINEAR ? "" : ", reduced kernel";
-    if (t.role == TrialRole::COARSE) return "coarse cells" + kernel;
     if (t.role == TrialRole::WEAKEST) return "weakest vehicle " + t.name.substr(t.name.rfind('_') + 1);
     return "nominal" + kernel;
   }
@@ -90,7 +89,7 @@ class PlanGate {
   /// True if the shortest pulse gets shorter with the cells: the limit lies further to the side of what switches.
   bool smallerCellsSwitchSooner() const {
     const RungOutcome* coarse = find(TrialRung::PLANAR, TrialRole::THRESHOLD);
-    const RungOutcome* fine = find(TrialRung::PLANAR, TrialRole::THRESHOLD, scene::SceneKernel::LINEAR, true);
+    const RungOutcome* fine = ofPlane(TrialRole::THRESHOLD, true);
     return coarse != nullptr && fine != nullptr && fine->threshold < coarse->threshold;
   }
 
@@ -148,59 +147,87 @@ class PlanGate {
     Estimate value;
     std::string words;
   };
-  struct Sizes {
-    const RungOutcome *fine = nullptr, *coarse = nullptr;
-  };
-  Sizes sizesOf(TrialRung rung, TrialRole role, scene::SceneKernel kernel) const {
-    if (rung == TrialRung::VOLUMETRIC) return {find(rung, role, kernel), find(rung, TrialRole::COARSE, kernel)};
-    return {find(rung, role, kernel, true), find(rung, role, kernel)};
-  }
-  Judged judged(TrialRung rung, TrialRole role, double RungOutcome::*member, const char* unit) const {
+  /// In the plane.
+  Judged judged(TrialRole role, double RungOutcome::*member, const char* unit) const {
+    const RungOutcome *coarse = ofPlane(role, false), *fine = ofPlane(role, true);
     Judged out;
-    std::vector<Estimate> limits;
-    char words[200];
-    for (const auto kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
-      const Sizes sizes = sizesOf(rung, role, kernel);
-      if (sizes.fine == nullptr || sizes.coarse == nullptr) continue;
-      const double fine = 1e3 * (sizes.fine->*member), coarse = 1e3 * (sizes.coarse->*member);
-      limits.push_back(limitOfCells(fine, coarse, 2));
-      std::snprintf(words, sizeof words, "%s%s%.1f, %.1f %s; ",
-                    rung == TrialRung::VOLUMETRIC ? scene::kernelName(kernel).c_str() : "",
-                    rung == TrialRung::VOLUMETRIC ? ": " : "", coarse, fine, unit);
-      out.words += words;
-      for (const RungOutcome* one : {sizes.coarse, sizes.fine}) {
-        if (!one->failure.empty()) out.words += one->failure + "; ";
-      }
-    }
-    if (limits.empty()) {
-      const RungOutcome* only = find(rung, role);
-      out.value = {1e3 * (only->*member), 0};
-      out.words = only->failure;
-      return out;
-    }
-    out.value = meanOf(limits);
-    std::snprintf(words, sizeof words, "extrapolated %.1f +- %.1f %s", out.value.value, out.value.error, unit);
-    out.words += words;
+    out.value = {1e3 * (coarse->*member), 0};
+    out.words = coarse->failure;
+    if (fine == nullptr) return out;
+    out.value = limitOfCells(1e3 * (fine->*member), 1e3 * (coarse->*member), 2);
+    out.words = twoSizes("", 1e3 * (coarse->*member), 1e3 * (fine->*member), unit) + failures({coarse, fine}) +
+                extrapolated(out.value, unit);
     return out;
+  }
+
+  /// As a solid: the plane in the limit, and what the solid has beyond the plane on the same cells, whose body is the
+  /// same, in the limit of small ones. Both by static curves; how far the solid in time is from its own is added to the
+  /// error.
+  Judged judgedSolid(double RungOutcome::*member, const char* unit) const {
+    if (ofPlane(TrialRole::LIMIT, false) == nullptr) return {{NAN, NAN}, "the static curves are missing"};
+    Judged out = judged(TrialRole::LIMIT, member, unit);
+    out.words = "plane " + out.words + "; beyond it ";
+    std::vector<Estimate> beyond;
+    double motion = 0;
+    for (const auto kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
+      const RungOutcome* in_time = find(TrialRung::VOLUMETRIC, TrialRole::NOMINAL, kernel);
+      if (in_time == nullptr) continue;
+      double more[2] = {NAN, NAN};
+      for (const bool finer : {false, true}) {
+        const RungOutcome *solid = find(TrialRung::VOLUMETRIC, TrialRole::CURVE, kernel, finer),
+                          *plane = ofPlane(TrialRole::CURVE, finer);
+        if (solid == nullptr || plane == nullptr) continue;
+        more[finer ? 1 : 0] = 1e3 * (solid->*member - plane->*member);
+        out.words += failures({solid, plane});
+        if (finer) continue;
+        const double off = 1e3 * std::abs(in_time->*member - solid->*member);
+        if (!(off <= motion)) motion = off;
+      }
+      beyond.push_back(limitOfCells(more[1], more[0], 2));
+      out.words += twoSizes(scene::kernelName(kernel) + " ", more[0], more[1], unit);
+    }
+    const Estimate mean = meanOf(beyond);
+    out.value = {out.value.value + mean.value, out.value.error + mean.error + motion};
+    out.words += extrapolated(out.value, unit);
+    return out;
+  }
+  const RungOutcome* ofPlane(TrialRole role, bool finer) const {
+    return find(TrialRung::PLANAR, role, scene::SceneKernel::LINEAR, finer);
+  }
+
+  static std::string twoSizes(const std::string& what, double coarse, double fine, const char* unit) {
+    return what + shortly(coarse) + ", " + shortly(fine) + " " + unit + "; ";
+  }
+  static std::string extrapolated(const Estimate& value, const char* unit) {
+    return "extrapolated " + shortly(value.value) + " +- " + shortly(value.error) + " " + unit;
+  }
+  static std::string failures(const std::vector<const RungOutcome*>& of) {
+    std::string words;
+    for (const RungOutcome* one : of) {
+      if (!one->failure.empty()) words += one->failure + "; ";
+    }
+    return words;
   }
 
   void agreement(TrialRung rung) {
     const RungOutcome* lumped = find(TrialRung::LUMPED, TrialRole::NOMINAL);
     if (lumped == nullptr || find(rung, TrialRole::NOMINAL) == nullptr) return;
     const std::string who = motion::rungName(rung) + " against lumped: ";
-    const Judged snap = judged(rung, TrialRole::NOMINAL, &RungOutcome::snap_time, "ms");
-    const Judged peak = judged(rung, TrialRole::NOMINAL, &RungOutcome::peak_travel, "mm");
+    const auto value = [&](double RungOutcome::*member, const char* unit) {
+      return rung == TrialRung::VOLUMETRIC ? judgedSolid(member, unit) : judged(TrialRole::NOMINAL, member, unit);
+    };
+    const Judged snap = value(&RungOutcome::snap_time, "ms"), peak = value(&RungOutcome::peak_travel, "mm");
     checks_.push_back(within(name(who + "time of the snap"), snap.value.less(1e3 * lumped->snap_time), -SNAP_TIME,
                              SNAP_TIME, "ms", snap.words));
     checks_.push_back(
         within(name(who + "peak travel"), peak.value.less(1e3 * lumped->peak_travel), -PEAK, PEAK, "mm", peak.words));
-    shortestPulse(rung, who);
+    if (rung == TrialRung::PLANAR) shortestPulse(who);
   }
 
-  void shortestPulse(TrialRung rung, const std::string& who) {
+  void shortestPulse(const std::string& who) {
     const RungOutcome* lumped = find(TrialRung::LUMPED, TrialRole::THRESHOLD);
-    if (lumped == nullptr || find(rung, TrialRole::THRESHOLD) == nullptr) return;
-    Judged here = judged(rung, TrialRole::THRESHOLD, &RungOutcome::threshold, "ms");
+    if (lumped == nullptr || find(TrialRung::PLANAR, TrialRole::THRESHOLD) == nullptr) return;
+    Judged here = judged(TrialRole::THRESHOLD, &RungOutcome::threshold, "ms");
     if (here.value.error > 0) here.value.error = std::max(here.value.error, SEARCH_ERROR);
     char words[60];
     std::snprintf(words, sizeof words, "%.1f ms lumped; here ", 1e3 * lumped->threshold);
@@ -222,6 +249,20 @@ class PlanGate {
                              1e3 * t.outcome.imbalance, "mJ", "largest at any time"));
     }
     checks_.push_back(told(name("planar: smallest det F of a step"), full->min_det_f, "1"));
+    strain();
+  }
+
+  /// The largest strain of the nominal switch beside what the material bears; it does not gate.
+  void strain() {
+    const RungOutcome* fine = ofPlane(TrialRole::NOMINAL, true);
+    const RungOutcome* counts = fine != nullptr ? fine : ofPlane(TrialRole::NOMINAL, false);
+    const auto& limit = vehicle_.material.strain_limit;
+    Check check = told(name("planar: largest strain"), counts->strain, "1",
+                       limit ? "allowed: the file's material.strain_limit, borne once"
+                             : "what the material bears is unknown (material.strain_limit is not given)");
+    if (limit) check.high = limit->low();
+    check.words += "; how many switches it bears is unknown";
+    checks_.push_back(check);
   }
 
   const Validation& found_;

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <tuple>
 
 #include "snapwing/common/error.h"
 #include "snapwing/elasticity/density_interpolation.h"
@@ -33,37 +36,75 @@ void thin(std::vector<double>& values) {
   values = kept;
 }
 
-/// Shortest of the pulses that switch, in [low, high]. @param switches  asked of a length [s]
-template <class Switches>
-double bisect(double low, double high, double resolution, const Switches& switches) {
-  while (high - low > resolution) {
-    const double middle = 0.5 * (low + high);
-    (switches(middle) ? high : low) = middle;
+/// Where something begins to be: it is not at `low` (or that is 0, which is not asked) and is at `high`.
+struct Bracket {
+  double low = 0, high = 0;
+};
+
+/// @param is  asked of a number in the bracket
+template <class Is>
+Bracket bisect(Bracket in, double resolution, const Is& is) {
+  while (in.high - in.low > resolution) {
+    const double middle = 0.5 * (in.low + in.high);
+    (is(middle) ? in.high : in.low) = middle;
   }
-  return high;
+  return in;
 }
 
-template <class Switches>
-double shortestNear(double near, const double first, double resolution, const Switches& switches) {
-  constexpr double FARTHEST = 0.060;
-  double away = first, low = std::max(0.0, near - away), high = near + away;
-  while (low > 0 && switches(low)) {
-    high = low, away *= 2, low = std::max(0.0, near - away);
-    if (away > FARTHEST) return std::nan("");
+/// The same without a bracket to begin with: steps away from `near` grow from `first` on, each twice the last.
+/// @return NaN if there is none within `farthest`
+template <class Is>
+Bracket bracketNear(double near, double first, double farthest, double resolution, const Is& is) {
+  constexpr Bracket NONE{NAN, NAN};
+  double away = first;
+  Bracket found{std::max(0.0, near - away), near + away};
+  while (found.low > 0 && is(found.low)) {
+    found.high = found.low, away *= 2, found.low = std::max(0.0, near - away);
+    if (away > farthest) return NONE;
   }
-  for (away = first; !switches(high);) {
-    low = high, away *= 2, high = near + away;
-    if (away > FARTHEST) return std::nan("");
+  for (away = first; !is(found.high);) {
+    found.low = found.high, away *= 2, found.high = near + away;
+    if (away > farthest) return NONE;
   }
-  return bisect(low, high, resolution, switches);
+  return bisect(found, resolution, is);
 }
 
 }  // namespace
 
+/// Static curves of solids of the nominal arm; each is traced once, by whoever asks first, and the others wait for it.
+class SolidCurves {
+ public:
+  template <class Trace>
+  const vehicle::ForceTable& of(const RungTrial& trial, const Trace& trace) {
+    Entry& entry = entryOf({static_cast<int>(trial.rung), static_cast<int>(trial.kernel), trial.cell_size});
+    const std::lock_guard<std::mutex> lock(entry.mutex);
+    if (!entry.table) entry.table = trace();
+    return *entry.table;
+  }
+
+ private:
+  using Key = std::tuple<int, int, double>;
+  struct Entry {
+    std::mutex mutex;
+    std::optional<vehicle::ForceTable> table;
+  };
+  Entry& entryOf(const Key& key) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return entries_[key];
+  }
+  std::mutex mutex_;
+  std::map<Key, Entry> entries_;
+};
+
 RungRunner::RungRunner(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                        const std::optional<vehicle::WingTable>& wing, const std::string& body,
                        std::function<bool()> cancelled)
-    : vehicle_(vehicle), table_(table), wing_(wing), printed_(vehicle), cancelled_(std::move(cancelled)) {
+    : vehicle_(vehicle),
+      table_(table),
+      wing_(wing),
+      printed_(vehicle),
+      cancelled_(std::move(cancelled)),
+      curves_(std::make_shared<SolidCurves>()) {
   if (!body.empty()) printed_.arm.density_file = body;
 }
 
@@ -78,6 +119,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   settings.kernel = trial.kernel;
   settings.damping = trial.damping;
   settings.coarsening_power = elasticity::DensityInterpolation().power;
+  settings.cancelled = cancelled_;
   return settings;
 }
 
@@ -99,6 +141,16 @@ RungOutcome RungRunner::runLumped(const RungTrial& trial) const {
   out.end = p.end_mode, out.snapped = p.snapped, out.snap_time = p.snap_time;
   out.peak_travel = p.peak_travel, out.least_travel = p.least_travel, out.margin = p.energy_margin;
   return out;
+}
+
+RungOutcome RungRunner::runOnCurve(const RungTrial& trial) const {
+  RungTrial lumped = trial;
+  lumped.curve = &curves_->of(trial, [&] {
+    RungTrial nominal = trial;
+    nominal.box.clear();
+    return solidOf(nominal).staticTable();
+  });
+  return runLumped(lumped);
 }
 
 RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehicle& solid) const {
@@ -135,6 +187,7 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
   const motion::AxisOutcome& o = run.outcome;
   out.end = o.end_mode, out.snapped = o.snapped, out.snap_time = o.snap_time;
   out.peak_travel = o.peak_travel, out.least_travel = o.least_travel, out.imbalance = o.largest_imbalance;
+  out.strain = o.largest_strain;
   out.min_det_f = 1;
   for (const motion::AxisSample& s : run.samples) {
     out.time.push_back(s.time);
@@ -158,7 +211,7 @@ double RungRunner::shortestLumped(const RungTrial& trial) const {
     first += GRID;
     if (first > LONGEST) throw common::Error("no pulse up to 1.5 s switches");
   }
-  return bisect(first - GRID, first, trial.resolution, snaps);
+  return bisect({first - GRID, first}, trial.resolution, snaps).high;
 }
 
 double RungRunner::shortestSolid(const RungTrial& trial) const {
@@ -166,10 +219,12 @@ double RungRunner::shortestSolid(const RungTrial& trial) const {
   const double near = told ? trial.near : shortestLumped(trial);
   const motion::AxisVehicle solid = solidOf(trial);
   RungTrial asked = trial;
-  const double found = shortestNear(near, told ? 0.001 : 0.003, trial.resolution, [&](double d) {
+  constexpr double FARTHEST = 0.060;
+  const auto snaps = [&](double d) {
     asked.pulse.duration = d;
     return runSolid(asked, solid).snapped;
-  });
+  };
+  const double found = bracketNear(near, told ? 0.001 : 0.003, FARTHEST, trial.resolution, snaps).high;
   if (std::isnan(found))
     throw common::Error("the shortest pulse that switches is more than 60 ms from where the search began");
   return found;
@@ -194,18 +249,11 @@ double RungRunner::carriedSolid(const RungTrial& trial) const {
     return held;
   };
   const double near = std::isfinite(trial.near) ? trial.near : carriedLumped(trial);
-  double low = near, high = near;
-  if (carries(near)) {
-    for (double away = FIRST; carries(high = near + away); away *= 2) {
-      if (low = high; away > MOST) throw common::Error("no weight is too heavy");
-    }
-  } else {
-    for (double away = FIRST; !carries(low = std::max(0.0, near - away)); away *= 2) {
-      if (high = low; low <= 0) throw common::Error("the start mode carries nothing");
-    }
+  const Bracket found = bracketNear(near, FIRST, MOST, ENOUGH, [&](double weight) { return !carries(weight); });
+  if (!(found.low > 0)) {
+    throw common::Error("the start mode carries nothing, or its limit is more than 8 N from where the search began");
   }
-  while (high - low > ENOUGH) (carries(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
-  return low;
+  return found.low;
 }
 
 namespace {
@@ -236,7 +284,9 @@ motion::AxisVehicle RungRunner::solidOf(const RungTrial& trial) const {
 
 RungOutcome RungRunner::run(const RungTrial& trial) const {
   return accounted([&](RungOutcome& out) {
-    out = trial.rung == motion::TrialRung::LUMPED ? runLumped(trial) : runSolid(trial, solidOf(trial));
+    out = trial.rung == motion::TrialRung::LUMPED ? runLumped(trial)
+          : trial.on_curve                        ? runOnCurve(trial)
+                                                  : runSolid(trial, solidOf(trial));
   });
 }
 

@@ -32,14 +32,7 @@ class TrialList {
       plan_ = static_cast<int>(k);
       add(TrialRole::THRESHOLD, TrialRung::PLANAR);
       add(TrialRole::THRESHOLD, TrialRung::LUMPED);
-      if (!settings_.volumetric) continue;
-      for (const scene::SceneKernel kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
-        for (const TrialRole role : {TrialRole::NOMINAL, TrialRole::COARSE}) {
-          add(role, TrialRung::VOLUMETRIC);
-          trials_.back().trial.kernel = kernel;
-          if (kernel != scene::SceneKernel::LINEAR) trials_.back().name += "_reduced";
-        }
-      }
+      if (settings_.volumetric) addSolids();
     }
     for (std::size_t k = 0; k < plans_.size(); ++k) {
       plan_ = static_cast<int>(k);
@@ -74,19 +67,47 @@ class TrialList {
     t.name = plan().word() + "_" + motion::rungName(rung) + (which.empty() ? "" : "_" + which);
     if (role == TrialRole::THRESHOLD) t.name += "_shortest_pulse";
     if (role == TrialRole::HALF_STEP) t.name += "_half_step";
-    if (role == TrialRole::COARSE) t.name += "_coarse";
+    if (role == TrialRole::CURVE) t.name += "_curve";
+    if (role == TrialRole::LIMIT) t.name += "_limit_curve";
     t.trial.rung = rung;
     t.trial.start = plan().start;
     t.trial.trial = plan().trial;
     t.trial.pulse = plan().pulse;
     t.trial.cell_size = rung == TrialRung::VOLUMETRIC ? settings_.solid_cell : settings_.planar_cell;
-    if (role == TrialRole::COARSE) t.trial.cell_size *= 2;
     t.trial.step = role == TrialRole::HALF_STEP ? settings_.step / 2 : settings_.step;
     if (!point.empty()) {
       t.trial.box.assign(point.begin(), point.end() - 1);
       t.trial.pulse = planning::receivedPulse(plan().pulse, planner_.settings(), vehicle_.radio, point.back());
     }
     trials_.push_back(std::move(t));
+  }
+  /// The solid in time with both kernels, and the static curves that its limit of small cells is found with.
+  void addSolids() {
+    for (const bool finer : {true, false}) {
+      for (const scene::SceneKernel kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
+        addCurve(TrialRole::CURVE, TrialRung::VOLUMETRIC, settings_.solid_cell, finer);
+        setKernel(kernel);
+      }
+      addCurve(TrialRole::CURVE, TrialRung::PLANAR, settings_.solid_cell, finer);
+      addCurve(TrialRole::LIMIT, TrialRung::PLANAR, settings_.planar_cell / 2, finer);
+    }
+    for (const scene::SceneKernel kernel : {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED}) {
+      add(TrialRole::NOMINAL, TrialRung::VOLUMETRIC);
+      setKernel(kernel);
+    }
+  }
+  /// @param cell  [m] the larger of both sizes
+  void addCurve(TrialRole role, TrialRung rung, double cell, bool finer) {
+    add(role, rung);
+    ValidationTrial& t = trials_.back();
+    t.trial.on_curve = true;
+    t.trial.cell_size = finer ? cell / 2 : cell;
+    t.finer = finer;
+    if (finer) t.name += "_fine";
+  }
+  void setKernel(scene::SceneKernel kernel) {
+    trials_.back().trial.kernel = kernel;
+    if (kernel != scene::SceneKernel::LINEAR) trials_.back().name += "_reduced";
   }
   /// A vehicle of the box: in the plane, and lumped beside it.
   void addVehicle(TrialRole role, const std::string& which, const std::vector<double>& point) {
@@ -122,13 +143,13 @@ std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
   std::ostringstream text;
   text.precision(17);
   const RungTrial& r = t.trial;
-  text << "planar cells keep stiffness;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
+  text << "largest strain;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
        << static_cast<int>(r.start) << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';'
        << r.pulse.hold_throttle << ';' << r.pulse.hold_duration << ';' << static_cast<int>(r.kernel) << ';'
        << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount)
        << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';' << r.trial.initial_speed << ';'
        << r.trial.push << ';' << r.trial.horizon << ';' << r.trial.initial_thrust_fraction.value_or(-1) << ';'
-       << r.trial.final_thrust_fraction.value_or(-1) << ';' << r.near;
+       << r.trial.final_thrust_fraction.value_or(-1) << ';' << r.near << ';' << r.on_curve;
   for (const double x : r.box) text << ';' << x;
   return common::sha256(text.str());
 }
@@ -168,7 +189,7 @@ std::vector<Check> checkOrigin(const std::vector<PlanFile>& plans, const vehicle
 std::vector<ValidationTrial> finerTwins(const std::vector<ValidationTrial>& trials, bool carried) {
   std::vector<ValidationTrial> twins;
   for (const ValidationTrial& t : trials) {
-    if (t.trial.rung != TrialRung::PLANAR || t.role == TrialRole::HALF_STEP) continue;
+    if (t.trial.rung != TrialRung::PLANAR || t.role == TrialRole::HALF_STEP || t.trial.on_curve) continue;
     if (t.role == TrialRole::CARRIED && !carried) continue;
     const bool search = t.role == TrialRole::THRESHOLD || t.role == TrialRole::CARRIED;
     if (search ? !std::isfinite(t.outcome.threshold) : t.role != TrialRole::NOMINAL && t.outcome.snapped) continue;

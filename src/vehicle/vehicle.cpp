@@ -111,6 +111,7 @@ Material readMaterial(common::SettingsReader reader) {
   m.poisson_ratio = reader.quantity("poisson_ratio", "1", {0.0, 0.4999});
   m.mass_density = reader.quantity("mass_density", "kg/m3", {10.0, 25e3});
   if (reader.has("relaxation")) m.relaxation = readRelaxation(reader.map("relaxation"));
+  if (reader.has("strain_limit")) m.strain_limit = reader.quantity("strain_limit", "1", {1e-4, 100.0});
   reader.finish();
   return m;
 }
@@ -190,6 +191,7 @@ VehicleWing readWing(common::SettingsReader reader) {
   w.table_file = reader.resolvePath(reader.text("table_file"));
   w.inertia_scale = reader.quantity("inertia_scale", "1", {0.01, 100.0});
   w.friction_scale = reader.quantity("friction_scale", "1", {0.0, 100.0});
+  if (reader.has("stop")) w.stop = reader.quantity("stop", "N m", {0.0, 1e5});
   reader.finish();
   return w;
 }

@@ -35,6 +35,7 @@ vehicle::Trial winged(double gravity = 0) {
 
 AxisSettings coarse() {
   AxisSettings settings;
+  settings.wing_stop = 0;
   settings.cell_size = 0.0025;
   return settings;
 }

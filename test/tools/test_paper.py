@@ -52,6 +52,15 @@ class PaperFigures(Case):
         self.assertIn("boom_q_to_f_1", said)
 
 
+class OtherTrials(unittest.TestCase):
+    def test_other_shipped_trials_are_listed_apart(self):
+        other = wing_run([0, 140], [0, 140], end="Q")
+        other.outcome["largest_imbalance"] = None
+        page = paper.page({}, {}, {}, {"wings_f_to_q": other})
+        self.assertIn("Other shipped trials", page)
+        self.assertIn("wings_f_to_q", page)
+
+
 class Verdicts(unittest.TestCase):
     def test_a_wing_that_swings_past_its_rest_disagrees(self):
         good, bad = wing_run([140, 5], [140, 5]), wing_run([140, -83], [140, -83])

@@ -57,6 +57,33 @@ class Trial(Case):
         self.assertAlmostEqual(found["planar"]["snap_time"], found["lumped"]["snap_time"], delta=0.005)
         self.assertFalse((self.folder / "planar" / "checkpoint.bin").exists())
 
+    def test_a_trial_teaches_mass_damping_and_strain(self):
+        said = self.snapwing("trial", self.file("t.yaml", self.text()), "-o", "out", "-q").stdout.decode()
+        self.assertIn("largest strain of the arms", said)
+        self.assertIn("what the material bears is unknown", said)
+        summary = json.loads((self.folder / "out" / "summary.json").read_text())
+        self.assertIsNone(summary["model"]["strain_limit"])
+        done = subprocess.run(["/usr/bin/python3", str(ROOT / "scripts/motion_table"), str(self.folder / "out")], stdout=subprocess.PIPE,
+                              check=True)
+        with open(done.stdout.decode().strip(), encoding="utf-8") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        self.assertGreater(len(rows), 20)
+        self.assertAlmostEqual(max(row["strain"] for row in rows), summary["outcome"]["largest_strain"], delta=0.01)
+        damping = summary["model"]["bodies"]["damping_of_travel"]
+        for row in rows:
+            # The arms' own motions beside the travel, and the rule in time: a few per cent of each.
+            self.assertAlmostEqual(row["effective_mass_kg"] / row["static_mass_kg"], 1, delta=0.05)
+            self.assertAlmostEqual(row["effective_damping_N_s_per_m"] / damping, 1, delta=0.05)
+
+    def test_coarser_cells_keep_mass_or_stiffness(self):
+        found = {}
+        for rule in ("mass", "stiffness"):
+            text = self.text(("cell_size: 0.0025", f"cell_size: 0.0025, coarsening: {rule}"))
+            self.snapwing("trial", self.file(f"{rule}.yaml", text), "-o", rule, "-q")
+            found[rule] = json.loads((self.folder / rule / "summary.json").read_text())
+            self.assertEqual(found[rule]["model"]["coarsening"], rule)
+        self.assertNotAlmostEqual(*(f["model"]["static_valley_force"] for f in found.values()), delta=0.1)
+
     def test_a_killed_run_goes_on_to_the_same_bits(self):
         path = self.file("t.yaml", self.text())
         self.snapwing("trial", path, "-o", "whole", "-q")

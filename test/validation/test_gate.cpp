@@ -109,20 +109,54 @@ TEST(Gate, ASolverThatFailsIsAFailureInItsOwnWords) {
   EXPECT_EQ(verdictOf(checkTrials(found, Shipped().vehicle), "planar, nominal: end mode"), Verdict::FAIL);
 }
 
-TEST(Gate, SolidsAreJudgedExtrapolated) {
-  Validation found = twoRungs();
-  for (const double coarser : {0.0, 1.0}) {
+/// Adds what a solid is judged by, with one kernel. @param own  [s] what the solid has beyond the plane
+/// @param cells  [s] error of both that the larger cells make of the body, @param locks  [s] that of the solid alone;
+/// half of each on cells of half the size
+void addSolid(Validation& found, double own, double cells, double locks) {
+  const auto add = [&](TrialRung rung, TrialRole role, bool finer, double snap) {
     ValidationTrial t = found.trials[2];
-    t.role = coarser > 0 ? TrialRole::COARSE : TrialRole::NOMINAL;
-    t.trial.rung = TrialRung::VOLUMETRIC;
-    t.outcome.snap_time = 0.130 + 0.008 * (1 + coarser);  // error of 8 ms at h, 16 ms at 2 h
+    t.trial.rung = rung, t.role = role, t.finer = finer, t.trial.on_curve = role != TrialRole::NOMINAL;
+    t.outcome.snap_time = snap;
     found.trials.push_back(t);
+  };
+  for (const bool finer : {false, true}) {
+    const double share = finer ? 0.5 : 1;
+    add(TrialRung::VOLUMETRIC, TrialRole::CURVE, finer, 0.130 + own + share * (cells + locks));
+    add(TrialRung::PLANAR, TrialRole::CURVE, finer, 0.130 + share * cells);
+    add(TrialRung::PLANAR, TrialRole::LIMIT, finer, 0.130);
   }
-  EXPECT_EQ(verdictOf(checkTrials(found, Shipped().vehicle), "volumetric against lumped: time of the snap"),
-            Verdict::PASS);
-  found.trials.back().outcome.snap_time = 0.138;  // no change with the cells: the 8 ms are the solid's own
-  EXPECT_EQ(verdictOf(checkTrials(found, Shipped().vehicle), "volumetric against lumped: time of the snap"),
-            Verdict::FAIL);
+  add(TrialRung::VOLUMETRIC, TrialRole::NOMINAL, false, 0.130 + own + cells + locks);
+}
+
+TEST(Gate, SolidsAreJudgedExtrapolated) {
+  const vehicle::Vehicle vehicle = Shipped().vehicle;
+  const auto verdict = [&](const Validation& found) {
+    return verdictOf(checkTrials(found, vehicle), "volumetric against lumped: time of the snap");
+  };
+  Validation found = twoRungs();
+  addSolid(found, 0, 0.040, 0.008);
+  EXPECT_EQ(verdict(found), Verdict::PASS) << "what cells make of the body is the plane's, too";
+  found.trials.back().outcome.snap_time += 0.006;
+  EXPECT_EQ(verdict(found), Verdict::UNDECIDED) << "in time it is not where its curve says";
+  found = twoRungs();
+  addSolid(found, 0.008, 0, 0);  // no change with the cells: the 8 ms are the solid's own
+  EXPECT_EQ(verdict(found), Verdict::FAIL);
+  found = twoRungs();
+  addSolid(found, 0.004, 0, 0.009);  // a third of the correction of 4.5 ms reaches across
+  EXPECT_EQ(verdict(found), Verdict::UNDECIDED);
+  found = twoRungs();
+  addSolid(found, 0, 0, 0);
+  found.trials.erase(found.trials.end() - 2);  // a curve that is missing
+  EXPECT_NE(verdict(found), Verdict::PASS);
+}
+
+TEST(Gate, TheLargestStrainIsToldAndGatesNothing) {
+  vehicle::Vehicle vehicle = Shipped().vehicle;
+  Validation found = twoRungs();
+  found.trials[2].outcome.strain = 5;
+  vehicle.material.strain_limit = common::Quantity{4, 0};
+  EXPECT_TRUE(passed(checkTrials(found, vehicle)));
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar: largest strain"), Verdict::TOLD);
 }
 
 TEST(Check, AnErrorBarAcrossALimitIsUndecidedAndDoesNotPass) {

@@ -105,6 +105,16 @@ TEST(Vehicle, ReadsTheMemoryOfItsMaterial) {
   fs::remove(path);
 }
 
+TEST(Vehicle, StopOfTheWingsAndStrainLimitMayBeStated) {
+  const Vehicle shipped = loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  EXPECT_EQ(shipped.wing.stop.value, 10);
+  EXPECT_FALSE(shipped.material.strain_limit.has_value());
+  const std::string path = edited(DENSITY, DENSITY "\n  strain_limit: {value: 4, unit: \"1\", source: a}");
+  EXPECT_EQ(loadVehicle(path).material.strain_limit->value, 4);
+  fs::remove(path);
+  EXPECT_EQ(loadVehicle(without({"wing"})).wing.stop.value, 0);
+}
+
 class WrongVehicle : public testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongVehicle, IsRefusedWithTheKey) {

@@ -16,6 +16,8 @@ namespace snapwing::motion {
 scene::Scene armBodies(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings,
                        const elasticity::PronySeries& series, const std::vector<double>& shares);
 
+/// Largest principal strain of solids at nodal displacements in whatever axes (mpm::Discretisation::largestStrain). [1]
+double largestStrain(const scene::CompiledScene& arms, const Eigen::VectorXd& displacements);
 /// True if an eliminated coordinate is that of an axle across it, in its arm's first direction. @param dof  of a node
 bool ofAxle(const scene::CompiledScene& arms, int dof);
 /// The equation of such a coordinate for the same points along the axle: they do not slide.

@@ -59,6 +59,7 @@ struct AxisTrial {
 /// The members of rom::SnapPrediction that a solid has, by the same definitions.
 struct AxisOutcome : vehicle::TrialOutcome {
   double largest_imbalance = 0;  ///< [J] of the summed account: what the scheme fed or ate
+  double largest_strain = 0;     ///< [1] of the arms at any time
   int iterations = 0, factorizations = 0;
 };
 

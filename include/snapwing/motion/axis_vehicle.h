@@ -57,8 +57,8 @@ struct AxisSettings {
   double hub_stiffness = 1000;
   double hub_radius = 0.004;  ///< [m] of the arm's material about the axle in whose rotation the crank is held
   bool wings_follow_travel =
-      false;             ///< true: tied to the static path's rotation at the travel, the lumped model's rule
-  double wing_stop = 0;  ///< [N m] per rad of a stop that keeps each wing from turning back past rest; 0: none
+      false;                        ///< true: tied to the static path's rotation at the travel, the lumped model's rule
+  std::optional<double> wing_stop;  ///< [N m] per rad in place of the vehicle's wing.stop; 0: none
   double friction_left = 1, friction_right = 1;  ///< [1] times the friction of that wing's pins
   /// As motion in space needs it: axles hold their lines along themselves too, which may slide else, and light cells
   /// have no linear part (elasticity::DensityInterpolation), which would feel a rotation.
@@ -66,6 +66,7 @@ struct AxisSettings {
   bool whole_thickness = false;      ///< a solid without its plane of symmetry, which motion in space has not
   std::optional<HandSettings> hand;  ///< that holds the ring, with mount HELD; unset: the ring stands still
   int threads = 1;
+  std::function<bool()> cancelled;  ///< polled while the static curve is followed; true ends it with an error
 };
 
 class AxisVehicle : public TrialVehicle {
@@ -114,6 +115,7 @@ class AxisVehicle : public TrialVehicle {
   /// The motion of all along the axis.
   RigidMotions rigidMotions() const override;
   double commonSpeed(const MotionState& s, const Stepper& stepper) const override;
+  double relativeKinetic(const MotionState& s, const Stepper& stepper) const override;
   /// In the ring's frame.
   std::string vtu(const MotionState& s) const override;
   std::vector<std::string> leftOut() const override;
@@ -151,7 +153,7 @@ class AxisVehicle : public TrialVehicle {
 
   vehicle::Trial trial_;
   AxisSettings settings_;
-  double stop_ = 0;
+  double stop_ = 0, wing_stop_ = 0;
   elasticity::PronySeries series_;  ///< empty: no memory
   bool memory_known_ = false;       ///< the vehicle file states one
   std::unique_ptr<scene::CompiledScene> scene_;

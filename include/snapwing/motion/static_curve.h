@@ -2,6 +2,7 @@
 /// Quasi-static force of a compiled scene against its control, coarse but with the exact slope at each point: where a
 /// trial starts, and what it calls barrier and valley. Of the scene itself, at the trial's own cells.
 
+#include <functional>
 #include <vector>
 
 #include "snapwing/common/loan.h"
@@ -23,8 +24,9 @@ struct StaticPoint {
 class StaticCurve {
  public:
   /// @param to    last control [m] > 0; @param step  of the control [m] > 0
+  /// @param cancelled  polled in every iteration; true ends it as if nothing was found
   /// @throws common::Error saying where no equilibrium was found
-  StaticCurve(const scene::CompiledScene& scene, double to, double step);
+  StaticCurve(const scene::CompiledScene& scene, double to, double step, std::function<bool()> cancelled = {});
 
   const std::vector<StaticPoint>& points() const { return points_; }
   /// The curve of the problem as a table, without inertia.
@@ -43,6 +45,7 @@ class StaticCurve {
   void follow(double to, double step);
 
   common::Loan<const scene::CompiledScene> scene_;
+  std::function<bool()> cancelled_;
   std::vector<StaticPoint> points_;
   vehicle::ForceTable table_;
   vehicle::CurveFeatures features_{};

@@ -27,7 +27,9 @@ struct AxisSample {
   double tilt = wing_left, housing_tilt = wing_left, drift = wing_left, turn_rate = wing_left;
   double thrust = 0;                                                  ///< [N]
   double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
-  double step = 0;                                                    ///< [s]
+  double relative_kinetic = wing_left;  ///< [J] less that of the common speed: of the travel; NaN in six degrees
+  double strain = 0;                    ///< [1] largest principal one of the arms (mpm::Discretisation::largestStrain)
+  double step = 0;                      ///< [s]
   double min_det_f = 1;
   int iterations = 0;
 };
@@ -59,6 +61,10 @@ class TrialVehicle {
   virtual RigidMotions rigidMotions() const = 0;
   /// Momentum along the axis / mass of all that moves [m/s].
   virtual double commonSpeed(const MotionState& s, const Stepper& stepper) const = 0;
+  /// Kinetic energy of the vehicle in the frame of that speed, or of the held ring [J]; NaN: not told.
+  virtual double relativeKinetic(const MotionState& /*s*/, const Stepper& /*stepper*/) const {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   /// Deformed cells as VTU text.
   virtual std::string vtu(const MotionState& s) const = 0;
   /// What this rung keeps beyond the simplest one, and what it leaves out of the trial, one sentence each.

@@ -95,6 +95,9 @@ class Discretisation {
 
   /// Deformation gradient at the centre of a cell.
   elasticity::Matrix<D> deformationGradient(int cell, const Eigen::VectorXd& u) const;
+  /// Largest of sqrt(rho) (s - 1) over the cells, s the largest principal stretch at a cell's centre and rho its
+  /// density, so that what is nearly empty does not count: the strain that the arm's design limits. Never negative.
+  double largestStrain(const Eigen::VectorXd& u) const;
 
  private:
   struct Scratch;

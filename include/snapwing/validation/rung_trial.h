@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct RungTrial {
   double near = std::numeric_limits<double>::quiet_NaN();
   double resolution = 1e-4;                                 ///< [s] of the shortest pulse
   motion::DampingLaw damping = motion::DampingLaw::TRAVEL;  ///< of the solid
+  /// The lumped model on the static curve of this rung's solid, in place of the solid in time.
+  bool on_curve = false;
   /// Static curve of the lumped rung in place of the vehicle's table, whose parameters stay: that of a solid.
   std::optional<vehicle::ForceTable> curve;
 };
@@ -41,11 +44,14 @@ struct RungOutcome {
   double margin = std::numeric_limits<double>::quiet_NaN();                                   ///< [1] lumped only
   double imbalance = std::numeric_limits<double>::quiet_NaN();  ///< [J] that the scheme fed or ate; solids only
   double min_det_f = std::numeric_limits<double>::quiet_NaN();  ///< [1] solids only
+  double strain = std::numeric_limits<double>::quiet_NaN();     ///< [1] largest principal one at any time; solids only
   /// [s] of a search for the shortest pulse; [N] of one for the heaviest centre
   double threshold = std::numeric_limits<double>::quiet_NaN();
   double cpu_seconds = 0;
   std::vector<double> time, travel, thrust;  ///< [s], [m], [N] at most a few hundred points
 };
+
+class SolidCurves;
 
 class RungRunner {
  public:
@@ -66,6 +72,7 @@ class RungRunner {
 
  private:
   RungOutcome runLumped(const RungTrial& trial) const;
+  RungOutcome runOnCurve(const RungTrial& trial) const;
   rom::LumpedModel lumpedOf(const RungTrial& trial) const;
   motion::AxisVehicle solidOf(const RungTrial& trial) const;
   double shortestLumped(const RungTrial& trial) const;
@@ -82,6 +89,7 @@ class RungRunner {
   std::optional<vehicle::WingTable> wing_;
   vehicle::Vehicle printed_;  ///< with the body that the solids have
   std::function<bool()> cancelled_;
+  std::shared_ptr<SolidCurves> curves_;
 };
 
 }  // namespace snapwing::validation

@@ -19,7 +19,7 @@ struct ValidationSettings {
   std::string body;             ///< density file [CSV] of the arm as it was made; empty: the vehicle's
   double planar_cell = 1e-3;    ///< [m]
   bool extrapolate = true;      ///< judge the planar rung on half that size, too, and on the limit of small cells
-  double solid_cell = 1.25e-3;  ///< [m] of the volumetric rung; it runs with twice that, too
+  double solid_cell = 1.25e-3;  ///< [m] of the volumetric rung; its static curve is traced on half of that, too
   bool volumetric = true;
   int weakest = 2;          ///< vehicles that the planner finds weakest, of each plan
   int samples = 4;          ///< vehicles drawn from the box, of each plan
@@ -33,7 +33,8 @@ struct ValidationSettings {
 enum class TrialRole {
   NOMINAL,
   HALF_STEP,  ///< nominal, with half the step
-  COARSE,     ///< nominal, with cells of twice the size: what the solid's answer is extrapolated from
+  CURVE,      ///< nominal, by the lumped model on a soft rung's static curve with the solids' cells
+  LIMIT,      ///< the same of the plane with the planar rung's smaller cells, and with half of those
   WEAKEST,
   SAMPLE,
   THRESHOLD,  ///< the shortest pulse that switches the nominal vehicle
@@ -44,7 +45,7 @@ struct ValidationTrial {
   std::string name;  ///< one word
   int plan = 0;      ///< index of its plan; -1: of none
   TrialRole role = TrialRole::NOMINAL;
-  bool finer = false;  ///< planar cells of half the size; what it is the twin of has the same name without "_fine"
+  bool finer = false;  ///< cells of half the size; what it is the twin of has the same name without "_fine"
   RungTrial trial;
   RungOutcome outcome;
 };

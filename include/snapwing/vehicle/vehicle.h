@@ -2,6 +2,7 @@
 /// Every number of a vehicle, read strictly from config/vehicles/*.yaml. SI throughout.
 /// Conventions: u = travel of the housing relative to the ring, 0 in fixed-wing mode, positive as thrust drives it.
 
+#include <optional>
 #include <string>
 
 #include "snapwing/common/settings_reader.h"
@@ -57,6 +58,9 @@ struct Material {
   common::Quantity poisson_ratio;   ///< [1]
   common::Quantity mass_density;    ///< [kg/m3]
   Relaxation relaxation;
+  /// [1] largest principal strain (stretch less one) that a part of it bears once; unset: unknown. For the record: a
+  /// validation compares it with what a switch asks for. How many times it bears that is another question.
+  std::optional<common::Quantity> strain_limit;
 };
 
 struct Rotors {
@@ -112,6 +116,8 @@ struct VehicleWing {
   std::string table_file;                   ///< its table against u [HDF5]
   common::Quantity inertia_scale{1.0, 0};   ///< [1] real inertia / that of the table
   common::Quantity friction_scale{1.0, 0};  ///< [1] real friction of the pins / that of the table
+  /// [N m] per rad by which the taut film keeps a wing from turning back past rest; 0: nothing does
+  common::Quantity stop{0.0, 0};
 };
 
 /// What was made from the file, for those who ask it again; absolute paths, empty if the file names none.
