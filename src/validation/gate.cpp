@@ -58,6 +58,7 @@ class PlanGate {
     agreement(TrialRung::PLANAR);
     if (find(TrialRung::VOLUMETRIC, TrialRole::NOMINAL) != nullptr) agreement(TrialRung::VOLUMETRIC);
     convergence();
+    strain();
     return std::move(checks_);
   }
 
@@ -164,7 +165,8 @@ class PlanGate {
   /// same, in the limit of small ones. Both by static curves; how far the solid in time is from its own is added to the
   /// error.
   Judged judgedSolid(double RungOutcome::*member, const char* unit) const {
-    if (ofPlane(TrialRole::LIMIT, false) == nullptr) return {{NAN, NAN}, "the static curves are missing"};
+    if (ofPlane(TrialRole::LIMIT, false) == nullptr || ofPlane(TrialRole::LIMIT, true) == nullptr)
+      return {{NAN, NAN}, "the static curves are missing"};
     Judged out = judged(TrialRole::LIMIT, member, unit);
     out.words = "plane " + out.words + "; beyond it ";
     std::vector<Estimate> beyond;
@@ -249,13 +251,13 @@ class PlanGate {
                              1e3 * t.outcome.imbalance, "mJ", "largest at any time"));
     }
     checks_.push_back(told(name("planar: smallest det F of a step"), full->min_det_f, "1"));
-    strain();
   }
 
   /// The largest strain of the nominal switch beside what the material bears; it does not gate.
   void strain() {
     const RungOutcome* fine = ofPlane(TrialRole::NOMINAL, true);
     const RungOutcome* counts = fine != nullptr ? fine : ofPlane(TrialRole::NOMINAL, false);
+    if (counts == nullptr) return;
     const auto& limit = vehicle_.material.strain_limit;
     Check check = told(name("planar: largest strain"), counts->strain, "1",
                        limit ? "allowed: the file's material.strain_limit, borne once"

@@ -145,7 +145,7 @@ RungOutcome RungRunner::runLumped(const RungTrial& trial) const {
 
 RungOutcome RungRunner::runOnCurve(const RungTrial& trial) const {
   RungTrial lumped = trial;
-  lumped.curve = &curves_->of(trial, [&] {
+  lumped.curve = curves_->of(trial, [&] {
     RungTrial nominal = trial;
     nominal.box.clear();
     return solidOf(nominal).staticTable();
