@@ -57,7 +57,7 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 5\n";
+const std::string MAGIC = "snapwing trial checkpoint 6\n";
 
 using common::BytesReader;
 using common::BytesWriter;
