@@ -1,8 +1,10 @@
 // The shipped vehicle on the boom, wings off, nominal: the shortest pulses that switch, by one soft arm in time, over
 // cells and steps, beside the lumped model on the static curve of the same cells, and on the vehicle's shipped table.
 // Makes docs/motion_thresholds.csv.
-// usage: bench_motion [cell size in mm]... [step=MS] [volumetric] [kernel=NAME] [damping=LAW] [resolution=MS] [F] [Q]
-// The search begins at the lumped model's shortest pulse on the same curve; F, Q: of that start mode alone.
+// usage: bench_motion [cell size in mm]... [step=MS] [volumetric] [kernel=NAME] [damping=LAW] [resolution=MS]
+//   [arm_mass=SHARE] [lumped] [F] [Q]
+// arm_mass: of the file's, for the arms' inertia alone; the vehicle's whole mass stays. The search begins at the lumped
+// model's shortest pulse on the same curve; F, Q: of that start mode alone; lumped: no soft arm in time.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -34,6 +36,8 @@ struct Asked {
   validation::RungTrial trial;
   std::vector<double> cells;  // [m]
   std::vector<std::pair<Mode, double>> cases;
+  double arm_mass = 1;  // share
+  bool lumped = false;  // no soft arm in time
 };
 
 Asked readOptions(int argc, char** argv) {
@@ -49,6 +53,8 @@ Asked readOptions(int argc, char** argv) {
     };
     if (word == "volumetric") {
       out.trial.rung = motion::TrialRung::VOLUMETRIC;
+    } else if (word == "lumped") {
+      out.lumped = true;
     } else if (word == "F") {
       out.cases.emplace_back(Mode::FIXED_WING, 0.5);
     } else if (word == "Q") {
@@ -57,6 +63,8 @@ Asked readOptions(int argc, char** argv) {
       out.trial.step = 1e-3 * std::atof(value("step").c_str());
     } else if (!value("resolution").empty()) {
       out.trial.resolution = 1e-3 * std::atof(value("resolution").c_str());
+    } else if (!value("arm_mass").empty()) {
+      out.arm_mass = std::atof(value("arm_mass").c_str());
     } else if (!value("kernel").empty()) {
       out.trial.kernel = scene::kernelFromName(value("kernel"));
     } else if (!value("damping").empty()) {
@@ -104,8 +112,9 @@ void print(const validation::RungTrial& t, double shipped, double lumped, const 
 
 int main(int argc, char** argv) {
   Asked asked = readOptions(argc, argv);
-  const vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
+  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const vehicle::ForceTable table = vehicle::armTableOf(vehicle);
+  vehicle.material.mass_density.value *= asked.arm_mass;
   const vehicle::VehicleParameters parameters = vehicle::realise(vehicle, table);
   const std::optional<vehicle::WingTable> no_wing;
   const validation::RungRunner runner(vehicle, table, no_wing);
@@ -132,13 +141,17 @@ int main(int argc, char** argv) {
       lumped.curve = own;
       const double expected = runner.shortest(lumped).threshold;
       trial.near = expected;
+      trial.pulse.duration = lumped.pulse.duration = std::round(1e3 * expected + 20) / 1e3;
+      if (asked.lumped) {
+        print(trial, shipped, expected, {}, runner.run(lumped), {});
+        continue;
+      }
       const validation::RungOutcome found = runner.shortest(trial);
       if (!found.failure.empty()) {
         std::fprintf(stderr, "%.2f mm, from %s: %s\n", 1e3 * cell, vehicle::modeName(start).c_str(),
                      found.failure.c_str());
         continue;
       }
-      trial.pulse.duration = lumped.pulse.duration = std::round(1e3 * expected + 20) / 1e3;
       print(trial, shipped, expected, found, runner.run(lumped), runner.run(trial));
     }
   }
