@@ -6,6 +6,7 @@
 
 #include "line_plot.h"
 #include "snapwing/common/json_text.h"
+#include "snapwing/scene/rung.h"
 #include "snapwing/validation/prediction_json.h"
 
 namespace snapwing::validation {
@@ -90,14 +91,20 @@ PlotLine travelOf(const ValidationTrial& t, const std::string& name, const std::
   return line;
 }
 
+std::string labelOf(const RungTrial& trial) {
+  if (trial.rung == TrialRung::LUMPED) return motion::rungName(trial.rung);
+  return motion::rungName(trial.rung) + ", " + scene::kernelName(trial.kernel) + ", " + number(1e3 * trial.cell_size) +
+         " mm";
+}
+
 std::string plots(const Validation& found, int plan) {
   std::vector<PlotLine> nominal, others;
   for (const ValidationTrial& t : found.trials) {
-    if (t.plan != plan || t.finer || t.outcome.time.empty()) continue;
+    if (t.plan != plan || t.finer || t.trial.on_curve || t.outcome.time.empty()) continue;
     const TrialRung rung = t.trial.rung;
     if (t.role == TrialRole::NOMINAL) {
       const char* colour = rung == TrialRung::LUMPED ? "#888" : rung == TrialRung::PLANAR ? "#0969da" : "#bf3989";
-      nominal.push_back(travelOf(t, motion::rungName(rung), colour, rung == TrialRung::LUMPED));
+      nominal.push_back(travelOf(t, labelOf(t.trial), colour, rung == TrialRung::LUMPED));
     } else if (t.role == TrialRole::WEAKEST) {
       const bool lumped = rung == TrialRung::LUMPED;
       others.push_back(travelOf(t, t.name.substr(t.name.find("weakest")) + (lumped ? ", lumped" : ", planar"),
