@@ -13,7 +13,7 @@ struct Owner : Lender {
 };
 
 struct User {
-  explicit User(const Owner& owner) : owner(owner) {}
+  explicit User(const Owner& lent) : owner(lent) {}
   Loan<const Owner> owner;
 };
 
