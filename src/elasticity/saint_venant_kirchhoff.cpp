@@ -1,6 +1,8 @@
 #include "snapwing/elasticity/saint_venant_kirchhoff.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 
 #include "snapwing/elasticity/green_strain.h"
 
@@ -8,13 +10,13 @@ namespace snapwing::elasticity {
 
 namespace {
 
-/// A symmetric tangent without its negative eigenvalues, or with their magnitudes.
-template <int D>
-FullTangent<D> madePositive(const FullTangent<D>& tangent, Order order) {
-  const Eigen::SelfAdjointEigenSolver<FullTangent<D>> eigen(tangent);
-  Eigen::Matrix<double, D * D, 1> values = eigen.eigenvalues();
-  values = order == Order::ABSOLUTE ? values.cwiseAbs().eval() : values.cwiseMax(0).eval();
-  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+/// A symmetric tangent without its negative eigenvalues, or with their magnitudes. Matrices of a size that the compiler
+/// does not know, since it takes a minute to unroll those of 9 x 9.
+Eigen::MatrixXd madePositive(const Eigen::MatrixXd& tangent, Order order) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(tangent);
+  Eigen::VectorXd kept = eigen.eigenvalues();
+  for (double& value : kept) value = order == Order::ABSOLUTE ? std::abs(value) : std::max(value, 0.0);
+  return eigen.eigenvectors() * kept.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -70,7 +72,7 @@ bool SaintVenantKirchhoff<D>::evaluatePrepared(const Matrix<D>& f, const Density
       straight.col(k + D * l) = Eigen::Map<const Eigen::Matrix<double, D * D, 1>>(other.data());
     }
   }
-  if (order != Order::TANGENT) curved = madePositive<D>(curved, order);
+  if (order != Order::TANGENT) curved = madePositive(curved, order);
   out.full = m.stiffness * (m.mix * m.mix * curved + rest * straight);
   return true;
 }
