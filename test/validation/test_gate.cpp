@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "shipped.h"
 #include "snapwing/common/error.h"
 #include "snapwing/mpm/density_field.h"
 #include "snapwing/validation/validation.h"
@@ -17,12 +18,6 @@ namespace {
 
 using motion::TrialRung;
 using vehicle::Mode;
-
-struct Shipped {
-  vehicle::Vehicle vehicle = vehicle::loadVehicle(test::sourceDir() + "/config/vehicles/arris_x220.yaml");
-  vehicle::ForceTable table = vehicle::armTableOf(vehicle);
-  std::optional<vehicle::WingTable> wing = vehicle::wingTableOf(vehicle, table);
-};
 
 /// The verdict of the one check whose name ends so.
 Verdict verdictOf(const std::vector<Check>& checks, const std::string& end) {
@@ -297,49 +292,6 @@ TEST(Gate, WhatFCarriesOnSoftArmsGatesBesideTheTables) {
   EXPECT_EQ(carried(NAN, NAN), Verdict::FAIL);
   vehicle.must_survive = {};
   EXPECT_EQ(carried(4.0, 3.9), Verdict::TOLD);
-}
-
-TEST(RungRunner, PlaneAndSolidOfTheSameCoarseCellsAreOneBody) {
-  const Shipped shipped;
-  RungTrial trial;
-  trial.start = Mode::FIXED_WING;
-  trial.pulse.throttle = 0.577, trial.pulse.duration = 0.180;
-  trial.trial.mount = vehicle::Mount::BOOM;
-  trial.cell_size = 2.5e-3;
-  const RungRunner runner(shipped.vehicle, shipped.table, shipped.wing);
-  trial.rung = TrialRung::PLANAR;
-  const RungOutcome plane = runner.run(trial);
-  trial.rung = TrialRung::VOLUMETRIC;
-  trial.kernel = scene::SceneKernel::LINEAR_REDUCED;  // the linear one locks
-  const RungOutcome solid = runner.run(trial);
-  EXPECT_EQ(plane.failure + solid.failure, "");
-  EXPECT_EQ(plane.end, solid.end);
-  // Both are .015 s later than the limit of small cells. With rho averaged in the solid alone they are .021 s apart.
-  EXPECT_NEAR(solid.snap_time, plane.snap_time, 0.008);
-}
-
-TEST(Carried, TheSoftArmCarriesWhatItsOwnCurveSays) {
-  const Shipped shipped;
-  RungTrial trial;
-  trial.rung = TrialRung::PLANAR;
-  trial.cell_size = 2.5e-3;
-  trial.trial.mount = vehicle::Mount::HELD;
-  trial.trial.gravity = 9.81;
-  trial.trial.wings = false;
-  const RungRunner runner(shipped.vehicle, shipped.table, shipped.wing);
-  const RungOutcome soft = runner.carried(trial);
-  EXPECT_EQ(soft.failure, "");
-  trial.rung = TrialRung::LUMPED;
-  const double tables = runner.carried(trial).threshold;
-  for (const planning::AccidentMargin& a : planning::accidentMargins(shipped.vehicle, shipped.table)) {
-    if (a.name == "ring held upright in F") {
-      EXPECT_NEAR(tables, a.limit, 1e-9);
-    }
-  }
-  // The arm of these cells has another peak than the table: 4.04 N with cells that keep its stiffness.
-  const double peak = traceArm(shipped.vehicle, shipped.vehicle.arm.density_file, 2.5e-3).peak_force;
-  const double stated = vehicle::curveFeatures(shipped.table).peak_force;
-  EXPECT_NEAR(soft.threshold - tables, peak - stated, 0.1);
 }
 
 TEST(Curve, AnInternalSnapIsRefusedByName) {
