@@ -47,24 +47,24 @@ class Examples(unittest.TestCase):
             for script in prefix.glob("**/*.cmake"):
                 self.assertNotIn(str(EXAMPLES.parent.parent), script.read_text(), script)
             hidden = hiding()
-            environment = {name: value for name, value in os.environ.items() if name != "CMAKE_PREFIX_PATH"}
+            environment = {name: value for name, value in os.environ.items() if name not in ("CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH")}
             run(*hidden, "cmake", "-S", source, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", "-DPYTHON_EXECUTABLE=/usr/bin/python3",
                 env=environment, cwd=folder)
             run(*hidden, "cmake", "--build", build, "-j2", env=environment, cwd=folder)
             (share,) = prefix.glob("**/share/snapwing/config")
             for program, arguments, words in RUNS:
                 given = [share.parent / word if "/" in word else word for word in arguments]
-                self.assertIn(words, run(*hidden, build / program, *given, cwd=folder), program)
-            self.design([*hidden, build / "design_mechanism"], share)
+                self.assertIn(words, run(*hidden, build / program, *given, env=environment, cwd=folder), program)
+            self.design([*hidden, build / "design_mechanism"], share, environment)
 
-    def design(self, program, share):
+    def design(self, program, share, environment):
         """The shipped design on coarse cells, stopped after three iterations: not feasible yet, and it says so."""
         text = (share / "designs/arm_default.yaml").read_text()
         stages = re.search(r"(?m)^stages:.*\n(?:  - .*\n)+", text).group()
         settings = share / "designs/short.yaml"
         settings.write_text(text.replace(stages, "stages:\n  - {rung: planar, cell_size: 0.004, iterations: 3, move: 0.05}\n"))
         density = share / "density.csv"
-        done = subprocess.run([str(word) for word in (*program, settings, density)], capture_output=True, text=True, cwd=share)
+        done = subprocess.run([str(word) for word in (*program, settings, density)], capture_output=True, text=True, env=environment, cwd=share)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertRegex(done.stdout, r"m: -?[0-9.e-]+ N")
         self.assertEqual(done.stderr.count("stage "), 3, done.stderr)

@@ -17,15 +17,16 @@ class Install(unittest.TestCase):
             done = subprocess.run(["cmake", "--install", BUILD], env={**os.environ, "DESTDIR": folder},
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
+            environment = {name: value for name, value in os.environ.items() if name != "LD_LIBRARY_PATH"}  # else the build's libraries run
             (binaries,) = pathlib.Path(folder).glob("**/lib*/snapwing/snapwing")
             for program in PROGRAMS:
-                ran = subprocess.run([binaries.parent / program, "--help"], capture_output=True, text=True)
+                ran = subprocess.run([binaries.parent / program, "--help"], capture_output=True, text=True, env=environment)
                 self.assertEqual(ran.returncode, 0, f"{program}: {ran.stderr}")
             (share,) = pathlib.Path(folder).glob("**/share/snapwing/config")
             for name in SHARED:
                 self.assertTrue((share.parent / name).exists(), name)
             ran = subprocess.run([binaries, "predict", share / "vehicles/arris_x220.yaml", "--from", "F", "--throttle",
-                                  "0.7", "--duration", "0.16"], capture_output=True, text=True)
+                                  "0.7", "--duration", "0.16"], capture_output=True, text=True, env=environment)
             self.assertEqual(ran.returncode, 0, ran.stderr)
 
 

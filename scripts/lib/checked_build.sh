@@ -2,6 +2,9 @@
 # Source it; needs bash.
 # shellcheck shell=bash
 
+# A ROS environment names the libraries of another build, without checks, and they would be taken in place of those that are checked.
+unset LD_LIBRARY_PATH
+
 # usage: checked_build BUILD_FOLDER TARGETS...   Two callers may build at the same time.
 checked_build() {
   local root build=$1

@@ -122,7 +122,7 @@ class FullDisk(Case):
 
     def test_a_checkpoint_that_cannot_be_written_is_a_warning(self):
         scene = self.file("scene.yaml", BEAM)
-        words = ["curve", scene, "-q", "--steps", "2000", "--kernel", "linear_reduced", "--cell-size", "8e-4", "--checkpoint", "c"]
+        words = ["curve", scene, "-q", "--steps", "20000", "--kernel", "linear_reduced", "--cell-size", "8e-4", "--checkpoint", "c"]
         run = subprocess.Popen([PROGRAM, *map(str, words), "--summary", "s.json"], cwd=self.folder, stderr=subprocess.PIPE,
                                stdout=subprocess.DEVNULL, preexec_fn=limited(20000))
         time.sleep(1.5)
