@@ -86,6 +86,7 @@ struct SettingsReader::Impl {
   std::string where;
   std::string prefix;
   std::set<std::string> asked;
+  std::set<std::string> looked_for;  ///< keys that may be left out: not accepted by that, but named
   std::shared_ptr<std::vector<std::string>> files = std::make_shared<std::vector<std::string>>();
 };
 
@@ -124,6 +125,7 @@ YAML::Node SettingsReader::child(const std::string& key, const std::string& allo
 }
 
 bool SettingsReader::has(const std::string& key) const {
+  impl_->looked_for.insert(key);
   const YAML::Node& map = impl_->node;
   return map[key].IsDefined();
 }
@@ -258,8 +260,9 @@ void SettingsReader::finish() const {
   for (const auto& entry : impl_->node) {
     const std::string key = entry.first.Scalar();
     if (impl_->asked.count(key)) continue;
-    const std::vector<std::string> known(impl_->asked.begin(), impl_->asked.end());
-    fail(key, "not known here", "the keys " + join(known));
+    std::set<std::string> known = impl_->looked_for;
+    known.insert(impl_->asked.begin(), impl_->asked.end());
+    fail(key, "not known here", "the keys " + join({known.begin(), known.end()}));
   }
 }
 

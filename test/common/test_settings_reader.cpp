@@ -45,6 +45,16 @@ TEST(SettingsReader, UnknownKeyIsNamedWithItsPath) {
   expectParts(messageOf([&] { outer.finish(); }), {"test.yaml", "outer.unkown", "known"});
 }
 
+TEST(SettingsReader, KeysThatMayBeLeftOutAreNamedAmongTheAllowedButTakenOnlyIfRead) {
+  SettingsReader r = reader("a: 1\nbb: 2");
+  r.number("a", {0, 2}, "m");
+  EXPECT_FALSE(r.has("b"));
+  expectParts(messageOf([&] { r.finish(); }), {"'bb'", "a, b"});
+  SettingsReader looked = reader("b: 2");
+  EXPECT_TRUE(looked.has("b"));
+  EXPECT_THROW(looked.finish(), SettingError);
+}
+
 TEST(SettingsReader, MissingMistypedAndOutOfRangeAreNamed) {
   SettingsReader r = reader("a: {thickness: -0.002, name: 'x', quoted: '3', nan: .nan, flag: yes, half: 1.5}");
   SettingsReader a = r.map("a");
