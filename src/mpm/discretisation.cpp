@@ -221,16 +221,27 @@ Vector<D> Discretisation<D>::displacementAt(int body, const Vector<D>& point, co
   return result;
 }
 
+namespace {
+
+/// Deformation gradient where the basis functions have these slopes, one a column.
+template <int D>
+elasticity::Matrix<D> gradientBy(const Discretisation<D>& solid, const Eigen::Matrix<double, D, Eigen::Dynamic>& slope,
+                                 int cell, const Eigen::VectorXd& u) {
+  elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
+  for (int a = 0; a < solid.stencil(); ++a) {
+    f += u.template segment<D>(D * solid.cellNodes(cell)[a]) * slope.col(a).transpose();
+  }
+  return f;
+}
+
+}  // namespace
+
 template <int D>
 elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eigen::VectorXd& u) const {
   Eigen::VectorXd value;
   Eigen::Matrix<double, D, Eigen::Dynamic> slope;
   grids_[cell_body_[cell]].weights(Vector<D>::Constant(0.5), value, slope);
-  elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
-  for (int a = 0; a < stencil_; ++a) {
-    f += u.template segment<D>(D * cellNodes(cell)[a]) * slope.col(a).transpose();
-  }
-  return f;
+  return gradientBy<D>(*this, slope, cell, u);
 }
 
 template <int D>
@@ -244,10 +255,7 @@ double Discretisation<D>::largestStrain(const Eigen::VectorXd& u) const {
       body = cell_body_[cell];
       grids_[body].weights(Vector<D>::Constant(0.5), value, slope);
     }
-    elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
-    for (int a = 0; a < stencil_; ++a) {
-      f += u.template segment<D>(D * cellNodes(cell)[a]) * slope.col(a).transpose();
-    }
+    const elasticity::Matrix<D> f = gradientBy<D>(*this, slope, cell, u);
     Eigen::SelfAdjointEigenSolver<elasticity::Matrix<D>> squares;
     squares.computeDirect(f.transpose() * f, Eigen::EigenvaluesOnly);
     const double stretch = std::sqrt(squares.eigenvalues()(D - 1));
