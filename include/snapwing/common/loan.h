@@ -1,6 +1,6 @@
 #pragma once
 /// Loans: a reference to what another object owns and that must stay there. Builds with SNAPWING_CHECK_LOANS (debug and
-/// sanitized ones, see cmake/SnapwingTargets.cmake) count them and end the program where an owner goes while it is
+/// sanitized ones by default, see CMakeLists.txt) count them and end the program where an owner goes while it is
 /// lent; elsewhere a loan is a pointer.
 
 #include <memory>
