@@ -51,15 +51,22 @@ Refusal BridgeCore::refuse(Refusal refusal, std::int64_t detail) {
   return refusal;
 }
 
+bool BridgeCore::knows(std::int64_t sender_id) const {
+  return std::any_of(senders_.begin(), senders_.end(),
+                     [sender_id](const Sender& sender) { return sender.used && sender.id == sender_id; });
+}
+
 BridgeCore::Sender* BridgeCore::findSender(std::int64_t id, double now) {
   Sender* free_place = nullptr;
   for (Sender& sender : senders_) {
     if (sender.used && sender.id == id) return &sender;
-    // A sender unseen for longer than any message lives can be forgotten: what it sent before is stale by now.
+    // A sender unseen for longer than any message lives can be forgotten: what it sent before is stale by now, and what
+    // stops at any age is known by the status that it names.
     const bool forgettable = !sender.used || (now - sender.last_seen > 1.0 && !(active() && sender.id == operator_id_));
     if (forgettable && (free_place == nullptr || sender.last_seen < free_place->last_seen)) free_place = &sender;
   }
   if (free_place != nullptr) {
+    if (free_place->used) forgotten_status_ = std::max(forgotten_status_, free_place->newest_status);
     *free_place = Sender{};
     free_place->id = id;
     free_place->used = true;
@@ -72,12 +79,17 @@ Refusal BridgeCore::checkStamp(const Stamp& stamp, Kind kind, bool stops, double
   // Stopping is always allowed in the session it was meant for, also by an operator who has heard no status for long.
   const Refusal echo = stops ? Refusal::NONE : checkEcho(stamp, now, detail);
   if (echo != Refusal::NONE) return echo;
+  if (!knows(stamp.sender_id) && stamp.status_number <= forgotten_status_) {
+    detail = micros(std::clamp(now - stamp.time, -1e9, 1e9));
+    return Refusal::STALE;
+  }
   Sender* sender = findSender(stamp.sender_id, now);
   if (sender == nullptr) return Refusal::TOO_MANY_SENDERS;
   std::int64_t& last = sender->last_number[static_cast<std::size_t>(kind)];
   detail = stamp.number;
   if (stamp.number <= last) return Refusal::REPEATED_NUMBER;
   last = stamp.number;
+  sender->newest_status = std::max(sender->newest_status, stamp.status_number);
   sender->last_seen = now;
   detail = 0;
   return Refusal::NONE;

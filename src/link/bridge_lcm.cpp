@@ -89,25 +89,18 @@ bool BridgeLcm::queue(const LcmDatagram& datagram, Inbound::Kind kind, Plain Inb
 bool BridgeLcm::greet(const LcmDatagram& datagram) {
   snapwing_lcm::hello_t hello;
   const bool good = sealer_.unwrap(CHANNEL_HELLO, datagram.data, datagram.size, hello) &&
-                    hello.version == snapwing_lcm::stamp_t::VERSION && hello.sender_id != 0;
+                    hello.version == snapwing_lcm::stamp_t::VERSION;
   if (!good) return false;
   const std::lock_guard<std::mutex> lock(greetings_mutex_);
-  // The sender's own place, or the one that was silent for longest.
-  auto place = std::find_if(greetings_.begin(), greetings_.end(),
-                            [&hello](const Greeting& greeting) { return greeting.sender == hello.sender_id; });
-  if (place == greetings_.end()) {
-    place = std::min_element(greetings_.begin(), greetings_.end(),
-                             [](const Greeting& a, const Greeting& b) { return a.time < b.time; });
-  }
-  *place = {hello.sender_id, hello.challenge, monotonicSeconds()};
-  return true;
+  return greetings_.take(hello.sender_id, hello.challenge, monotonicSeconds());
 }
 
 void BridgeLcm::answer(snapwing_lcm::link_status_t& status) {
   const std::lock_guard<std::mutex> lock(greetings_mutex_);
-  for (std::size_t i = 0; i < greetings_.size(); ++i) {
-    status.answer_sender[i] = greetings_[i].sender;
-    status.answer_challenge[i] = greetings_[i].challenge;
+  static_assert(sizeof status.answer_sender == Greetings::PLACES * sizeof status.answer_sender[0]);
+  for (std::size_t i = 0; i < Greetings::PLACES; ++i) {
+    status.answer_sender[i] = greetings_.all()[i].sender;
+    status.answer_challenge[i] = greetings_.all()[i].challenge;
   }
 }
 

@@ -172,7 +172,7 @@ void OperatorLink::sayHello(double now) {
   snapwing_lcm::hello_t hello{};
   hello.version = snapwing_lcm::stamp_t::VERSION;
   hello.sender_id = sender_id_;
-  hello.challenge = randomId();
+  hello.challenge = ++challenge_;
   challenges_[next_challenge_++ % challenges_.size()] = {hello.challenge, now};
   const std::vector<std::uint8_t> bytes = sealer_.wrap(CHANNEL_HELLO, hello);
   socket_.publish(CHANNEL_HELLO, bytes.data(), bytes.size());

@@ -294,6 +294,24 @@ TEST_F(Core, LostHeartbeatLatches) {
   EXPECT_EQ(core_.status().channels.us[THROTTLE], 1000) << "the old pulse is gone";
 }
 
+/// An abort counts at any age, but once: also when so many consoles came after its sender that nothing else of it is
+/// known.
+TEST_F(Core, ARecordedAbortIsRefusedWhenItsSenderIsForgotten) {
+  const Abort recorded{stamp(1000), 1};
+  EXPECT_EQ(core_.onAbort(recorded, now_), Refusal::NONE);
+  for (std::int64_t console = 1001; console < 1012; ++console) {
+    for (const double end = now_ + 1.2; now_ < end; tick()) beat(false, true, false, console);
+    beat(false, true, true, console);
+  }
+  arm();
+  EXPECT_EQ(core_.onAbort(recorded, now_), Refusal::STALE);
+  EXPECT_EQ(core_.status().state, BridgeState::ARMED);
+  Abort deaf{stamp(2000), 1};
+  run(3.0, true);
+  EXPECT_EQ(core_.onAbort(deaf, now_), Refusal::NONE) << "a new sender that has heard no status for three seconds";
+  EXPECT_EQ(core_.status().state, BridgeState::FAULT);
+}
+
 TEST_F(Core, AbortLatchesFromEveryStateEvenWhenLate) {
   arm();
   ASSERT_EQ(core_.onPulse(pulse(1, 1.0, 1.0), now_), Refusal::NONE);

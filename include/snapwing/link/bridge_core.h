@@ -85,6 +85,7 @@ class BridgeCore {
   struct Sender {
     std::int64_t id = 0;
     std::array<std::int64_t, 3> last_number{};
+    std::int64_t newest_status = 0;  ///< that a message of it has named
     double last_seen = -1e9;
     bool used = false;
     bool switch_off_seen = false;  ///< arm switch was off since the last disarming
@@ -95,6 +96,7 @@ class BridgeCore {
   /// @param stops  the message can do nothing but end thrust, and may be of any age
   Refusal checkStamp(const Stamp& stamp, Kind kind, bool stops, double now, std::int64_t& detail);
   Refusal checkEcho(const Stamp& stamp, double now, std::int64_t& detail) const;
+  bool knows(std::int64_t sender_id) const;
   Sender* findSender(std::int64_t id, double now);
   Refusal checkPulse(const PulseCommand& command, double now, std::int64_t& detail) const;
   Refusal checkArming(const Sender& sender, double now, std::int64_t& detail) const;
@@ -119,6 +121,7 @@ class BridgeCore {
   std::int64_t session_;
   BridgeStatus status_;
   std::array<Sender, 8> senders_{};
+  std::int64_t forgotten_status_ = -1;     ///< newest that a sender had named whose place another one has
   std::array<double, 64> status_times_{};  ///< [s] when the last statuses left, by number modulo size
 
   double next_frame_;                                          ///< [s]

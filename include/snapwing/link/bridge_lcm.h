@@ -1,7 +1,6 @@
 #pragma once
 /// The radio bridge's LCM side: one thread checks what arrives and queues it for the loop, another publishes status.
 
-#include <array>
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "snapwing/common/loan.h"
 #include "snapwing/link/bridge_loop.h"
+#include "snapwing/link/greetings.h"
 #include "snapwing/link/lcm_socket.h"
 #include "snapwing/link/sealing.h"
 #include "snapwing_lcm/link_status_t.hpp"
@@ -29,12 +29,6 @@ class BridgeLcm {
   int arrivals() const { return arrival_; }
 
  private:
-  /// Who said hello last, and with which challenge.
-  struct Greeting {
-    std::int64_t sender = 0, challenge = 0;
-    double time = -1e9;  ///< [s]
-  };
-
   void listen();
   void publish();
   void publishOne(const Outbound& item);
@@ -53,7 +47,7 @@ class BridgeLcm {
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> rejected_{0};
   std::mutex greetings_mutex_;
-  std::array<Greeting, 8> greetings_{};
+  Greetings greetings_;
   std::int64_t telemetry_number_ = 0;
   std::int64_t imu_number_ = 0;  ///< of the last reading that was told
   int event_ = -1, arrival_ = -1;

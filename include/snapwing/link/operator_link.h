@@ -103,6 +103,7 @@ class OperatorLink {
   std::int64_t pulse_number_ = 0, heartbeat_number_ = 0, abort_number_ = 0;
   std::array<Challenge, 32> challenges_{};
   std::size_t next_challenge_ = 0;
+  std::int64_t challenge_ = 0;  ///< the last one
   double next_hello_ = -1e9;
   std::int64_t session_ = 0, last_telemetry_number_ = 0;
   double heard_ = -1e9;        ///< [s] own clock, when the last status arrived
