@@ -121,7 +121,7 @@ class Row:
         self.good = not (slow or unbounded or len(self.late) > self.excused or self.errors or not results)
 
     def text(self):
-        start = "harm" if self.kind.breaks else "pulse's end"
+        start = "fault" if self.kind.breaks else "pulse's end"
         typical = f"{1000 * self.kind.typical:.0f}, " if self.kind.typical else ""
         return (f"| {self.kind.name} | {self.kind.guard} | {typical}{1000 * self.kind.promise:.0f} from the {start} | {self.trials} | "
                 f"{self.void} | {1000 * self.median:.0f} | {1000 * self.most:.0f} | {1000 * self.worst:.0f} | "
@@ -168,23 +168,25 @@ class Load:
 
 HEAD = """# Fault table of the radio link{title}
 
-Written by `test/link/processes/fault_table.py{option}`, which runs the real programs (radio_bridge with its guardian, link_console or
-flight_link_node with a planner and a ROS master, standin_flight_controller) on one machine and does each harm at a random moment of a
-{thrust}, with the motors seen at its thrust. Times run from the harm to the motors' outputs at idle or off, as the stand-in
-flight controller puts them out (ramp of 21 ms included); for faults that need not break the pulse off, from the pulse's own end (0: not later than that).
-Promised are a time that the median keeps, where two are given (judged from 20 trials on), and one that all keep, except while the machine itself stood still:
-"late" counts the trials beyond it, in brackets those of them that would not be late without the time for which a witness of the highest
-real-time priority was itself held up.
-"Thrust returned" counts trials in which the outputs rose above idle again for more than 2 ms, with the failed part restarted, continued or plugged in
-again; in brackets those that kept the bound which docs/safety.md, hazard 2, names for a line that cannot be flushed (one frame: half of the thrust for
-40 ms). "Void" attempts did not begin, because a busy machine let arming or the command fail; they were repeated. docs/safety.md explains
-the promises.
+Written by `test/link/processes/fault_table.py{option}`, which runs the real programs on one machine: radio_bridge with its guardian, link_console or
+flight_link_node with a planner and a ROS master, and standin_flight_controller. It injects each fault at a random moment of a
+{thrust}, once the motors are seen at its thrust. docs/safety.md explains the promises.
+
+* Times run from the fault to the motors' outputs at idle or off, as the stand-in flight controller puts them out (ramp of 21 ms included). For faults
+  that need not end the pulse they run from the pulse's own end (0: not later than that).
+* "Promised" is a time for the median, where two are given (judged from 20 trials on), and a time for all trials, except while the machine itself stood
+  still.
+* "Late" counts the trials beyond the second time. In brackets: those that were late only because a witness process of the highest real-time priority was
+  itself delayed.
+* "Thrust returned" counts trials in which the outputs rose above idle again for more than 2 ms, with the failed part restarted, continued or plugged in
+  again. In brackets: those within the bound of docs/safety.md, hazard 2, for a line that cannot be flushed (one frame: half of the thrust for 40 ms).
+* "Void" attempts did not begin, because a busy machine let arming or the command fail; they were repeated.
 
 | fault | who notices | promised [ms] | trials | void | median [ms] | 99 % [ms] | worst [ms] | late (excused) | thrust returned | kept |
 |---|---|---|---|---|---|---|---|---|---|---|
 """
 IN_PULSE = {"title": "", "option": "", "thrust": "full-throttle pulse"}
-IN_HOLD = {"title": ", in the hold", "option": " --hold", "thrust": "hold of .3 throttle behind .1 s of full throttle"}
+IN_HOLD = {"title": ", in the hold", "option": " --hold", "thrust": "hold of 0.3 throttle behind 0.1 s of full throttle"}
 
 
 def notes_on(row):
