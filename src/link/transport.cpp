@@ -8,6 +8,12 @@
 
 namespace snapwing::link {
 
+std::optional<int> portNumber(const std::string& text) {
+  const bool digits = !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == std::string::npos;
+  const int number = digits ? std::stoi(text) : -1;
+  return number >= 0 && number <= 65535 ? std::optional<int>(number) : std::nullopt;
+}
+
 void Transport::opened(bool padding) {
   connected_ = true;
   padding_ = padding;

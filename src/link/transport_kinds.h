@@ -48,7 +48,7 @@ class PtyTransport : public Transport {
  private:
   int backlog() const override;
   bool flush() override;
-  std::string link_;
+  std::string link_, slave_;
   int slave_descriptor_ = -1;
 };
 

@@ -71,20 +71,38 @@ int openPseudoTerminal(std::string& slave) {
   return master;
 }
 
+namespace {
+
+/// Where a link leads; empty, and errno says why, if it is none.
+std::string targetOf(const std::string& link) {
+  char target[64];  // what is longer is cut, and no pseudo-terminal
+  const ssize_t size = ::readlink(link.c_str(), target, sizeof target);
+  return size > 0 ? std::string(target, static_cast<std::size_t>(size)) : "";
+}
+
+/// Anything but a link to a pseudo-terminal is somebody's: a key, a device, a name that udev gave.
+void requireFree(const std::string& link) {
+  const std::string target = targetOf(link);
+  if (target.empty() ? errno == ENOENT : target.rfind("/dev/pts/", 0) == 0) return;
+  throw common::FileError(link, "is there already and is no link to a pseudo-terminal; allowed: a new name");
+}
+
+}  // namespace
+
 PtyTransport::PtyTransport(const std::string& link, const LineSettings& settings) : link_(link) {
-  std::string slave;
-  descriptor_ = openPseudoTerminal(slave);
+  requireFree(link);
+  descriptor_ = openPseudoTerminal(slave_);
   // The far end stays open here too, so that a peer that comes and goes does not look like a broken line.
-  slave_descriptor_ = ::open(slave.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  slave_descriptor_ = ::open(slave_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   ::unlink(link.c_str());
-  if (slave_descriptor_ < 0 || ::symlink(slave.c_str(), link.c_str()) != 0) {
+  if (slave_descriptor_ < 0 || ::symlink(slave_.c_str(), link.c_str()) != 0) {
     throw common::FileError(link, std::string("cannot link pseudo-terminal: ") + std::strerror(errno));
   }
   opened(settings.padding);
 }
 
 PtyTransport::~PtyTransport() {
-  ::unlink(link_.c_str());
+  if (targetOf(link_) == slave_) ::unlink(link_.c_str());
   if (slave_descriptor_ >= 0) ::close(slave_descriptor_);
 }
 

@@ -77,13 +77,14 @@ std::unique_ptr<Transport> makeTransport(const std::string& where, const LineSet
   const std::string rest = colon == std::string::npos ? "" : where.substr(colon + 1);
   if (kind == "tcp") {
     const std::size_t last = rest.rfind(':');
-    if (last != std::string::npos && last > 0 && last + 1 < rest.size()) {
+    if (last != std::string::npos && last > 0 && portNumber(rest.substr(last + 1)).value_or(0) > 0) {
       return std::make_unique<TcpTransport>(rest.substr(0, last), rest.substr(last + 1), settings);
     }
   }
   if (kind == "serial" && !rest.empty()) return std::make_unique<SerialTransport>(rest, settings);
   if (kind == "pty" && !rest.empty()) return std::make_unique<PtyTransport>(rest, settings);
-  throw common::SettingError("radio bridge", "fc", where, "tcp:HOST:PORT, serial:/dev/NAME or pty:LINK");
+  throw common::SettingError("radio bridge", "fc", where,
+                             "tcp:HOST:PORT with a port within [1, 65535], serial:/dev/NAME or pty:LINK");
 }
 
 }  // namespace snapwing::link

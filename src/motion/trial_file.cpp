@@ -80,6 +80,7 @@ void readSteps(SettingsReader& reader, TrialFile& out) {
   // A planar tangent costs little more than a residual, a solid's factor far more.
   out.steps.keep_factor = out.rung == TrialRung::VOLUMETRIC;
   if (!reader.has("time")) return;
+  if (out.rung == TrialRung::LUMPED) reader.fail("time", "given", "with rung planar or volumetric only");
   SettingsReader time = reader.map("time");
   if (time.has("scheme")) {
     out.scheme =
@@ -142,6 +143,9 @@ void readRepeats(SettingsReader& reader, TrialFile& out) {
                 "with repeats of 2 or more, and only then");
   }
   if (out.repeats == 1) return;
+  if (out.name.find('/') != std::string::npos) {
+    reader.fail("trial", "'" + out.name + "'", "a name without '/', since each repeat has a folder of that name");
+  }
   SettingsReader vary = reader.map("vary");
   out.vary.seed = vary.integer("seed", 0, 1000000000);
   out.vary.strength = vary.numberOr("strength", 0, {0, 1}, "1");

@@ -17,6 +17,14 @@ inline std::string refusal(const std::string& given, const std::string& allowed)
   return "'" + given + "'; allowed: " + allowed;
 }
 
+/// The finite decimal number that the whole text is; otherwise NaN. strtod alone also takes " 1" and 0x1, which is 1.
+inline double decimal(const std::string& text) {
+  if (text.empty() || text.find_first_not_of("0123456789+-.eE") != std::string::npos) return NAN;
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return *end == '\0' && std::isfinite(value) ? value : NAN;
+}
+
 template <class Number>
 std::string rangeText(Number low, Number high, const std::string& unit) {
   std::ostringstream text;
@@ -32,10 +40,8 @@ inline CLI::Validator realNumber(double low, double high, const std::string& uni
   const std::string allowed = (above_low ? "above " : "") + numbers::rangeText(low, high, unit);
   return CLI::Validator(
       [=](std::string& given) {
-        char* end = nullptr;
-        const double value = std::strtod(given.c_str(), &end);
-        const bool number = !given.empty() && *end == '\0' && std::isfinite(value);
-        const bool good = number && value <= high && (above_low ? value > low : value >= low);
+        const double value = numbers::decimal(given);
+        const bool good = value <= high && (above_low ? value > low : value >= low);
         return good ? std::string() : numbers::refusal(given, "a number, " + allowed);
       },
       allowed);
@@ -63,9 +69,8 @@ inline CLI::Validator shareOrPercent() {
       [](std::string& given) {
         const bool percent = !given.empty() && given.back() == '%';
         const std::string digits = given.substr(0, given.size() - (percent ? 1 : 0));
-        char* end = nullptr;
-        const double value = std::strtod(digits.c_str(), &end) * (percent ? 0.01 : 1.0);
-        if (digits.empty() || *end != '\0' || !(value > 0 && value < 1)) {
+        const double value = numbers::decimal(digits) * (percent ? 0.01 : 1.0);
+        if (!(value > 0 && value < 1)) {
           return numbers::refusal(given, "a percentage between 0% and 100% as 2%, or a share between 0 and 1 as 0.02");
         }
         std::ostringstream text;

@@ -452,6 +452,9 @@ void addTrialCommand(CLI::App& app, int& exit_code) {
       "with a run that was stopped.");
   command->callback([options, &exit_code] {
     const motion::TrialFile file = motion::loadTrial(options->file);
+    if (file.rung == motion::TrialRung::LUMPED && (options->vtu || options->vtu_every > 0)) {
+      throw common::Error("--vtu: the rung is lumped and has no arm to draw; allowed: with rung planar or volumetric");
+    }
     const std::string bag_program = options->bag ? bagProgram() : "";
     const InterruptGuard guard;
     exit_code = file.repeats > 1 ? runRepeats(*options, file, bag_program)

@@ -12,7 +12,7 @@ class Numbers(Case):
 
     def test_curve(self):
         scene = ["curve", self.file("scene.yaml", BEAM), "-q"]
-        for value in ("nan", "inf", "2", "200%", "0", "0%", "100%", "-1%", "x", "2%%", "%"):
+        for value in ("nan", "inf", "2", "200%", "0", "0%", "100%", "-1%", "x", "2%%", "%", "0x1p-4", " 2%"):
             self.refused(scene, "--error", value, "a percentage between 0% and 100%")
         for option, values in (("--seconds", ("nan", "0", "-1")), ("--cell-size", ("nan", "0", "1e9")),
                                ("--perturb", ("nan", "inf", "1e9")), ("--step", ("nan", "1e-12", "1"))):
@@ -32,7 +32,7 @@ class Numbers(Case):
                                ("--initial-speed", ("nan", "1e9")), ("--initial-thrust", ("nan", "2")), ("--final-thrust", ("nan", "-1"))):
             for value in values:
                 self.refused(PREDICT, option, value, "a number, ")
-        for option, value in (("--throttle", "nan"), ("--throttle", "2"), ("--duration", "nan"), ("--duration", "1e9")):
+        for option, value in (("--throttle", "nan"), ("--throttle", "2"), ("--throttle", "0x1"), ("--throttle", " 1"), ("--duration", "nan"), ("--duration", "1e9")):
             words = [word for word in PREDICT]
             at = words.index(option)
             self.refused(words[:at] + words[at + 2:], option, value, "a number, ")

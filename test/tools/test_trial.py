@@ -220,12 +220,20 @@ class Trial(Case):
                               (("rung: planar", "uncertain: {motor: 1}\nrung: planar"), ("motor",)),
                               (("rung: planar", "uncertain: {material.relaxation.time: 2}\nrung: planar"), ("relaxation.time", "2", "half widths")),
                               (("rung: planar\nsolid: {cell_size: 0.0025}", "uncertain: {material.relaxation.share: 1}\nrung: lumped"), ("relaxation.share", "planar")),
+                              (("rung: planar\nsolid: {cell_size: 0.0025}", "time: {step: 0.001}\nrung: lumped"), ("time", "planar")),
+                              (("trial: short", "trial: ../short\nrepeats: 2\nvary: {seed: 1, strength: 0.1}"), ("trial", "../short", "folder")),
                               (("rung: planar", "time: {bias: 0.1, scheme: backward_euler}\nrung: planar"), ("bias", "midpoint"))):
             with self.subTest(change=change):
                 said = self.refusal("trial", self.file("bad.yaml", self.text(change)), "-o", "bad", "-q")
                 for word in words:
                     self.assertIn(word, said)
                 self.assertFalse((self.folder / "bad" / "summary.json").exists())
+
+    def test_the_rung_of_tables_draws_no_arm(self):
+        lumped = self.file("t.yaml", self.text(("rung: planar\nsolid: {cell_size: 0.0025}", "rung: lumped")))
+        for option in (["--vtu"], ["--vtu-every", "0.01"]):
+            self.assertIn("lumped", self.refusal("trial", lumped, "-o", "drawn", *option))
+            self.assertFalse((self.folder / "drawn").exists())
 
     def test_a_checkpoint_of_another_trial_is_refused(self):
         path = self.file("t.yaml", self.text())

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "snapwing/common/settings_reader.h"
 #include "snapwing/vehicle/vehicle_text.h"
 
 namespace snapwing::vehicle {
@@ -14,6 +15,15 @@ TEST(VehicleText, AValueIsReplacedInItsSectionAlone) {
   EXPECT_EQ(withValue(TEXT, "name", "name", "c").substr(0, 8), "name: c\n");
   EXPECT_EQ(withValue(TEXT, "arm", "table", "x"), TEXT) << "a key that only begins so";
   EXPECT_EQ(withValue("arm: {table_file: old.h5}\n", "arm", "table_file", "x"), "arm: {table_file: old.h5}\n");
+}
+
+TEST(VehicleText, AnyTextIsReadBackAsItWas) {
+  for (const char* value :
+       {"plain", "a b", "it's: #1", "null",     "True",           "- x", "\"q\"", "{x}", "a\\b", "*star", "&amp", "!t",
+        "%p",    "@a",  "x: y",     "\xc3\xa9", "tab\tline\nend", "#",   " ",     "1e5", ".inf", "~"}) {
+    const std::string text = withValue("name: old\n", "name", "name", value);
+    EXPECT_EQ(common::SettingsReader::fromText(text, "text").text("name"), value) << text;
+  }
 }
 
 TEST(VehicleText, AKeyGoesWithItsLines) {

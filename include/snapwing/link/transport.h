@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "snapwing/common/loan.h"
@@ -90,8 +91,11 @@ class Transport : public common::Lender {
   std::shared_ptr<std::atomic<std::uint32_t>> open_bytes_ = std::make_shared<std::atomic<std::uint32_t>>(0);
 };
 
+/// A port of TCP or UDP, 0 .. 65535 in digits; none if the text is anything else.
+std::optional<int> portNumber(const std::string& text);
+
 /// @param where  "tcp:HOST:PORT", "serial:/dev/NAME" (also a pseudo-terminal's name), or "pty:LINK": makes a
-///               pseudo-terminal and a symbolic link to its far end
+///               pseudo-terminal and a symbolic link to its far end, in place of nothing but such a link
 /// @throws common::SettingError if not understood, common::Error if the host is not found
 std::unique_ptr<Transport> makeTransport(const std::string& where, const LineSettings& settings);
 

@@ -6,8 +6,9 @@
 
 namespace snapwing::vehicle {
 
-/// A new value for the `key: value` below the line `section:` (or of the top-level `key` where section == key); the
-/// comment behind it was about the old value and goes. Text in which there is no such line stays as it is.
+/// A new value, a text in quotes if YAML needs them, for the `key: value` below the line `section:` (or of the
+/// top-level `key` where section == key); the comment behind it was about the old value and goes. Text in which there
+/// is no such line stays as it is.
 std::string withValue(const std::string& text, const std::string& section, const std::string& key,
                       const std::string& value);
 

@@ -65,9 +65,10 @@ class Port {
       return;
     }
     const std::size_t colon = o.listen.rfind(':');
-    if (colon == std::string::npos) throw common::SettingError("stand-in", "listen", o.listen, "ADDRESS:PORT");
+    const std::optional<int> port = link::portNumber(colon == std::string::npos ? "" : o.listen.substr(colon + 1));
+    if (!port) throw common::SettingError("stand-in", "listen", o.listen, "ADDRESS:PORT with a port within [0, 65535]");
     const std::string host = o.listen.substr(0, colon);
-    sockaddr_in address = ipv4(host, std::stoi(o.listen.substr(colon + 1)));
+    sockaddr_in address = ipv4(host, *port);
     listener_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     const int on = 1;
     setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
