@@ -1,10 +1,5 @@
 #include "snapwing/pipeline/stages.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -33,18 +28,6 @@ std::string notesIn(const std::string& folder) {
   }
   common::makeFolder(notes);
   return notes;
-}
-
-/// Held by the process: whatever ends it lets go.
-int lockOf(const std::string& folder) {
-  const std::string path = folder + "/" + NOTES + "/lock";
-  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (file < 0) throw common::FileError(path, "cannot be made");
-  if (::flock(file, LOCK_EX | LOCK_NB) == 0) return file;
-  const bool busy = errno == EWOULDBLOCK;
-  ::close(file);
-  if (!busy) return -1;  // a file system without locks
-  throw common::FileError(folder, "another run works in this folder now; wait for its end, or name another folder");
 }
 
 std::string keyOf(const Inputs& inputs) {
@@ -102,13 +85,7 @@ std::string differences(const ordered_json& note, const Inputs& now) {
 }  // namespace
 
 Stages::Stages(std::string folder, int count, std::function<void(const StageProgress&)> told)
-    : folder_(std::move(folder)), kept_(notesIn(folder_)), count_(count), told_(std::move(told)) {
-  lock_ = lockOf(folder_);
-}
-
-Stages::~Stages() {
-  if (lock_ >= 0) ::close(lock_);
-}
+    : folder_(std::move(folder)), kept_(notesIn(folder_)), lock_(folder_), count_(count), told_(std::move(told)) {}
 
 void Stages::tell(StageProgress::What what, const std::string& words, Verdict verdict, double share) {
   if (told_) told_({what, number_, count_, stage_, words, share, verdict});

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/folder_lock.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/validation/report.h"
@@ -82,6 +83,7 @@ VehicleValidation validateVehicle(const ValidateJob& job) {
   const std::vector<std::string> plans = planFiles(job, vehicle);
   requireOutputs(job, vehicle, plans);
   common::makeFolder(job.folder);
+  const common::FolderLock lock(job.folder);
   const Tables tables = tablesOf(vehicle);
   VehicleValidation out;
   out.vehicle = vehicle.name;

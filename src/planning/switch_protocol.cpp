@@ -181,6 +181,8 @@ SwitchAction SwitchProtocol::step(const SwitchView& view) {
   outcome_ = row->outcome;
   if (event == Event::ALL_THERE) {
     if (++attempts_ > 1) ++id_;
+    // Ids that come from a clock may lie behind those that the bridge has seen: the clock was set back, or a bag plays.
+    id_ = std::max(id_, view.pulse_id + 1);
     sent_ = view.now;
     refused_before_ = view.refused;
     return SwitchAction::SEND;

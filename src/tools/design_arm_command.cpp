@@ -10,6 +10,7 @@
 #include "design_into_command.h"
 #include "numbers.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/folder_lock.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/design/arm/arm_outcome.h"
 
@@ -158,6 +159,8 @@ int runCommand(const Options& options) {
   const auto previous = std::signal(SIGINT, onInterrupt);
   if (options.threads > 0) settings.threads = options.threads;
   checkFiles(options, settings);
+  common::makeFolder(options.folder);
+  const common::FolderLock lock(options.folder);
   const ArmJob job = jobOf(options);
   const ArmOutcome outcome = options.density.empty()
                                  ? designArm(settings, job)

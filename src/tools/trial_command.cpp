@@ -13,6 +13,7 @@
 #include "numbers.h"
 #include "prediction_text.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/folder_lock.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
@@ -365,6 +366,7 @@ int runSolid(const Work& work) {
 /// Runs one trial and what follows it. @return its exit code
 int runOne(const Work& work, const std::string& bag_program) {
   common::makeFolder(work.folder);
+  const common::FolderLock lock(work.folder);
   const int code = work.file.rung == motion::TrialRung::LUMPED ? runLumped(work) : runSolid(work);
   if (!bag_program.empty() && !InterruptGuard::interrupted()) callBagProgram(bag_program, work.folder);
   return code;

@@ -188,6 +188,19 @@ TEST_F(SwitchTest, DoesNotSendAgainWhenSomethingIsMissingByThen) {
   expectEnd(Outcome::NOT_READY, "the mode is not known");
 }
 
+/// The clock was set back, or simulated time began anew, while the bridge went on.
+TEST_F(SwitchTest, AnIdOfTheBridgesPastIsNotUsedAgain) {
+  for (const std::uint32_t seen : {ID, ID + 1000}) {
+    SwitchProtocol protocol(settings_, Mode::QUADROTOR, LENGTH, ID);
+    view_.pulse_id = seen;
+    ASSERT_EQ(protocol.step(view_), SwitchAction::SEND);
+    EXPECT_EQ(protocol.id(), seen + 1);
+    view_.now += 0.02;
+    EXPECT_EQ(protocol.step(view_), SwitchAction::WAIT);
+    EXPECT_EQ(protocol.state(), State::SENT) << "the old pulse is taken for the new one";
+  }
+}
+
 TEST_F(SwitchTest, ARefusalIsTheEnd) {
   send();
   ++view_.refused;

@@ -1,5 +1,6 @@
 """Every file that a command writes: whole or not at all, never in place of an input, before anything is printed."""
 import json
+import fcntl
 import os
 import resource
 import shutil
@@ -49,6 +50,19 @@ class Inputs(Case):
 
 
 class Places(Case):
+    def test_two_runs_do_not_share_a_folder(self):
+        trial = self.file("t.yaml", f"trial: t\nvehicle: {VEHICLE}\nstart: F\npulse: {{thrust: 0.5, duration: 0.06}}\nrung: lumped\n")
+        for words in (("trial", trial), ("validate", VEHICLE), ("design", "arm", ROOT / "config" / "designs" / "arm_default.yaml")):
+            with self.subTest(command=words[0]):
+                folder = self.folder / words[0]
+                folder.mkdir()
+                held = os.open(folder, os.O_RDONLY)
+                fcntl.flock(held, fcntl.LOCK_EX)
+                self.assertIn("another run works in this folder", self.refusal(*words, "-o", folder, "-q"))
+                self.assertEqual(list(folder.iterdir()), [])
+                os.close(held)
+        self.snapwing("trial", trial, "-o", self.folder / "trial", "-q")
+
     def test_pipes_and_links_are_written_through(self):
         scene = self.file("scene.yaml", BEAM)
         pipe, got = self.folder / "pipe", []

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "snapwing/common/folder_lock.h"
 #include "snapwing/validation/check.h"
 #include "snapwing/validation/kept_results.h"
 
@@ -42,9 +43,6 @@ class Stages {
   /// @param folder  new, empty, or begun by an earlier run. @param count  of the stages
   /// @throws common::FileError for a folder of something else, or one in which another run works now
   Stages(std::string folder, int count, std::function<void(const StageProgress&)> told);
-  ~Stages();
-  Stages(const Stages&) = delete;
-  Stages& operator=(const Stages&) = delete;
 
   /// Keeps the stage or does it. @param work  told whether an earlier run has begun it with the same inputs; returns
   /// what it leaves. What it throws leaves no note
@@ -60,8 +58,8 @@ class Stages {
   std::string whyAnew(const std::string& stage, const Inputs& inputs) const;
 
   std::string folder_;
-  int lock_ = -1;  ///< file descriptor
   validation::KeptResults kept_;
+  common::FolderLock lock_;
   int number_ = 0, count_;
   std::string stage_;
   std::function<void(const StageProgress&)> told_;

@@ -104,7 +104,7 @@ class SwitchProtocol {
  public:
   /// @param target    F or Q
   /// @param duration  of the pulse [s]
-  /// @param first_id  of the pulse; an attempt more takes the next number
+  /// @param first_id  of the pulse, or the next one that the bridge has not seen; an attempt more takes the next number
   /// @throws common::Error for bad settings or an UNKNOWN target
   SwitchProtocol(const SwitchSettings& settings, vehicle::Mode target, double duration, std::uint32_t first_id);
 
