@@ -26,15 +26,7 @@ function(snapwing_pch_holder kind)
   target_precompile_headers(snapwing_pch_${kind} PRIVATE ${ARG_HEADERS})
 endfunction()
 
-# @param ARGN  what the target links: GLib, which the link layer brings along, asks for -pthread, and a precompiled header
-# of other flags is of no use.
 function(snapwing_precompile target kind)
-  set(threaded snapwing_lcm snapwing_link snapwing_standin)
-  foreach(linked ${ARGN})
-    if(linked IN_LIST threaded)
-      return()
-    endif()
-  endforeach()
   if(TARGET snapwing_pch_${kind})
     target_precompile_headers(${target} REUSE_FROM snapwing_pch_${kind})
   endif()

@@ -15,7 +15,7 @@ checked_build() {
   (
     flock 9
     cmake -S "$root" -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSNAPWING_WITH_ROS=OFF \
-      -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 -DSNAPWING_FUZZ=ON \
+      -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O0 -DSNAPWING_FUZZ=ON \
       -DSNAPWING_SANITIZE=address,undefined > "$build/configure.log" 2>&1 || { cat "$build/configure.log"; exit 2; }
     ninja -C "$build" "$@" > "$build/build.log" || { grep -E -m 40 'error|FAILED|undefined' "$build/build.log"; exit 2; }
   ) 9> "$build/.lock"

@@ -1,4 +1,4 @@
-"""Prints "N passed, N failed" from CTest's JUnit file; exit code 1 if anything failed or nothing ran."""
+"""Prints "N passed, N failed" from CTest's JUnit files; exit code 1 if anything failed or nothing ran at all."""
 import sys
 import xml.etree.ElementTree as ElementTree
 
@@ -14,7 +14,8 @@ def count(path):
 
 def main():
     try:
-        passed, failed = count(sys.argv[1])
+        counts = [count(path) for path in sys.argv[1:]]
+        passed, failed = (sum(column) for column in zip(*counts))
     except (OSError, ElementTree.ParseError) as error:
         print(f"no test results: {error}", file=sys.stderr)
         passed, failed = 0, 1
