@@ -142,7 +142,7 @@ def _cell(path, number, row, index, name, required):
     if NUMBER.match(row[index]):
         return float(row[index])
     if name in required:
-        raise InputError("{}: line {}, column '{}': '{}' is no number".format(path, number, name, row[index]))
+        raise InputError("{}: line {}, column '{}': '{}' is not a number".format(path, number, name, row[index]))
     return math.nan
 
 

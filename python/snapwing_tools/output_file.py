@@ -26,7 +26,7 @@ def resolved(path):
     try:
         return os.path.realpath(path)
     except OSError:
-        raise InputError("{}: the working folder does not exist any more".format(path))
+        raise InputError("{}: the working folder no longer exists".format(path))
 
 
 def _stream_of(status):
@@ -70,7 +70,7 @@ def require_folder(path):
     while not os.path.exists(above) and os.path.dirname(above) != above:
         above = os.path.dirname(above)
     if not os.path.isdir(above):
-        raise InputError("{}: '{}' is no folder".format(path, above))
+        raise InputError("{}: '{}' is not a folder".format(path, above))
     if not os.access(above, os.W_OK | os.X_OK):
         raise InputError("{}: cannot be written to".format(path))
 

@@ -59,7 +59,7 @@ class Run:
         o = self.outcome
         end = {"F": "ends in F", "Q": "ends in Q"}.get(o["end_mode"], "not settled within the horizon")
         snap = f", snap at {1e3 * o['snap_time']:.0f} ms" if o["snap_time"] is not None else ""
-        held = "" if o["start_held"] else ", its start is no equilibrium"
+        held = "" if o["start_held"] else ", its start is not an equilibrium"
         return f"{end}{snap}, travel {1e3 * o['least_travel']:.1f} .. {1e3 * o['peak_travel']:.1f} mm{held}"
 
     def label(self):
@@ -280,5 +280,5 @@ def page(runs, failures, drawn, others=None):
         body.append("<h2>Trials without an answer</h2>" + html_page.table(sorted(failures.items())))
     imbalance = [run.outcome["largest_imbalance"] for run in runs.values() if run.outcome["largest_imbalance"] is not None]
     if imbalance and math.isfinite(max(imbalance)):
-        body.append(f'<p class="muted">The time scheme fed or ate at most {1e3 * max(imbalance):.1f} mJ in any of them.</p>')
+        body.append(f'<p class="muted">The energy error of the time scheme is at most {1e3 * max(imbalance):.1f} mJ in any of them.</p>')
     return html_page.page("The paper's experiments, simulated", "\n".join(body))

@@ -54,7 +54,7 @@ std::string loadCheckpointBytes(const std::string& path, const std::string& kind
     throw FileError(path, "no checkpoint of this version");
   }
   if (file.compare(kind.size(), DIGITS, owner) != 0) {
-    throw FileError(path, "the checkpoint belongs to " + what + "; remove it to start anew");
+    throw FileError(path, "the checkpoint belongs to " + what + "; remove it to start again");
   }
   std::string bytes = file.substr(kind.size() + 2 * DIGITS);
   if (file.compare(kind.size() + DIGITS, DIGITS, sha256(bytes)) != 0) {

@@ -70,7 +70,7 @@ hid_t openFile(const std::string& path) {
   const std::filesystem::file_status status = std::filesystem::status(path, none);
   if (!std::filesystem::exists(status)) throw FileError(path, "does not exist");
   if (!std::filesystem::is_regular_file(status))
-    throw FileError(path, "is no plain file; HDF5 is read from files only");
+    throw FileError(path, "is not a regular file; HDF5 is read from files only");
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file >= 0) return file;
   if (const std::string why = whyNotOpened(); !why.empty()) throw FileError(path, why);
@@ -79,14 +79,14 @@ hid_t openFile(const std::string& path) {
   }
   if (std::filesystem::file_size(path, none) == 0) throw FileError(path, "is empty");
   if (access(path.c_str(), R_OK) != 0) throw FileError(path, "cannot be read: " + std::string(std::strerror(errno)));
-  throw FileError(path, "is no HDF5 file, or cut off within its header");
+  throw FileError(path, "is not an HDF5 file, or is truncated within its header");
 }
 
 std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& path) {
   constexpr hssize_t MOST = 100000000;  // what a damaged header may claim is no reason to ask for memory
   const Handle space(H5Dget_space(dataset), H5Sclose, path, "read the size of " + name);
   const hssize_t size = H5Sget_simple_extent_npoints(space);
-  if (H5Sget_simple_extent_ndims(space) != 1 || size < 0) throw FileError(path, "'" + name + "' is no 1-D array");
+  if (H5Sget_simple_extent_ndims(space) != 1 || size < 0) throw FileError(path, "'" + name + "' is not a 1-D array");
   if (size > MOST) {
     throw FileError(path,
                     "'" + name + "' has " + std::to_string(size) + " elements; allowed: 0 .. " + std::to_string(MOST));
@@ -148,7 +148,7 @@ class Attribute {
 
 std::string readAttribute(hid_t object, const std::string& name, const std::string& path) {
   const Attribute attribute(object, name, path);
-  if (!attribute.isText()) throw FileError(path, "attribute " + name + " is no text");
+  if (!attribute.isText()) throw FileError(path, "attribute " + name + " is not text");
   return attribute.text();
 }
 
@@ -189,7 +189,7 @@ void writeFile(const std::string& path, const std::function<void(hid_t file)>& f
     fill(file);
     check(H5Fflush(file, H5F_SCOPE_GLOBAL), path, "flush the file");
     const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-    if (size <= 0) throw FileError(path, "HDF5: cannot tell the file's size");
+    if (size <= 0) throw FileError(path, "HDF5: cannot determine the file's size");
     bytes.resize(static_cast<std::size_t>(size));
     if (H5Fget_file_image(file, bytes.data(), bytes.size()) != size)
       throw FileError(path, "HDF5: cannot copy the file");

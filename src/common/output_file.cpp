@@ -72,7 +72,7 @@ int openThrough(const std::string& path, bool pipe) {
     if (fd >= 0 || errno != ENXIO) return fd;
     ::usleep(WAIT);
   }
-  throw FileError(path, "cannot be written: nobody reads from this pipe");
+  throw FileError(path, "cannot be written: the pipe has no reader");
 }
 
 void writeThrough(const std::string& path, const struct stat& at, const std::string& bytes) {
@@ -121,10 +121,10 @@ void replace(const std::string& path, const std::string& target, mode_t mode, co
 std::string resolvedPath(const std::string& path) {
   std::error_code error;
   fs::path at = fs::absolute(path, error);
-  if (error) throw FileError(path, "the working folder does not exist any more");
+  if (error) throw FileError(path, "the working folder no longer exists");
   // A link whose file does not exist yet means that file.
   for (int links = 0; fs::is_symlink(at, error); ++links) {
-    if (links == 40) throw FileError(path, "its links lead in a circle");
+    if (links == 40) throw FileError(path, "its links form a loop");
     // Links of /proc to pipes and removed files have no name to follow.
     if (at.parent_path().string().compare(0, 6, "/proc/") == 0) return at.string();
     const fs::path next = fs::read_symlink(at, error);
@@ -226,7 +226,7 @@ void OutputFiles::fills(const std::string& folder, const std::string& option) {
   std::error_code error;
   fs::path at = resolvedPath(folder);
   while (!fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
-  if (!fs::is_directory(at, error)) throw FileError(folder, option + ": '" + at.string() + "' is no folder");
+  if (!fs::is_directory(at, error)) throw FileError(folder, option + ": '" + at.string() + "' is not a folder");
   if (::access(at.c_str(), W_OK | X_OK) != 0) throw FileError(folder, option + ": cannot be written to: " + reason());
   folders_.push_back((fs::absolute(folder, error) / "any").lexically_normal().parent_path().string());
 }

@@ -126,7 +126,7 @@ std::string plainText(const std::string& bytes, const std::string& path) {
   if (begins("\xff\xfe", 2) || begins("\xfe\xff", 2))
     throw FileError(path, "is text in UTF-16 or UTF-32; allowed: UTF-8 (save it again with that encoding)");
   if (bytes.find('\0') != std::string::npos)
-    throw FileError(path, "holds bytes of zero and is no text in UTF-8 (another kind of file, or another encoding)");
+    throw FileError(path, "contains zero bytes and is not UTF-8 text (another kind of file, or another encoding)");
   std::string text;
   text.reserve(bytes.size());
   for (std::size_t k = begins("\xef\xbb\xbf", 3) ? 3 : 0; k < bytes.size(); ++k) {

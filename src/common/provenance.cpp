@@ -45,7 +45,7 @@ std::string readToEnd(const std::string& path, std::size_t most) {
   std::array<char, 1 << 16> block{};
   while (in.read(block.data(), block.size()) || in.gcount() > 0) {
     bytes.append(block.data(), static_cast<std::size_t>(in.gcount()));
-    if (bytes.size() > most) throw FileError(path, "gives more than 256 MiB and is no file; allowed: a file");
+    if (bytes.size() > most) throw FileError(path, "delivers more than 256 MiB and is not a file; allowed: a file");
   }
   if (in.bad()) throw FileError(path, "cannot be read to its end");
   return bytes;

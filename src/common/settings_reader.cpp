@@ -55,7 +55,7 @@ void refuseDuplicates(const YAML::Node& node, const std::string& where, const st
   std::set<std::string> seen;
   for (const auto& entry : node) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    if (key.empty()) throw FileError(where, "a key under '" + prefix + "' is no plain word");
+    if (key.empty()) throw FileError(where, "a key under '" + prefix + "' is not a plain word");
     if (!seen.insert(key).second) throw SettingError(where, prefix + key, "given twice", "each key once");
   }
 }
@@ -109,9 +109,9 @@ SettingsReader SettingsReader::fromText(const std::string& text, const std::stri
     checkYaml(text, where);
     root = YAML::Load(text);
   } catch (const YAML::Exception& e) {
-    throw FileError(where, std::string("no valid YAML: ") + e.what());
+    throw FileError(where, std::string("invalid YAML: ") + e.what());
   }
-  if (!root.IsMap()) throw FileError(where, "is no YAML map of settings, but " + describe(root));
+  if (!root.IsMap()) throw FileError(where, "is not a YAML map of settings, but " + describe(root));
   return SettingsReader(root, where, "");
 }
 
@@ -277,7 +277,7 @@ std::string SettingsReader::resolvePath(const std::string& path) const {
     const bool pipe = fs::exists(where(), gone) && !fs::is_regular_file(where(), gone);
     const fs::path folder = pipe ? fs::path() : fs::path(where()).parent_path();
     file = fs::absolute(folder / path, gone).lexically_normal();
-    if (gone) throw FileError(path, "the working folder does not exist any more");
+    if (gone) throw FileError(path, "the working folder no longer exists");
   }
   impl_->files->push_back(file.string());
   return file.string();

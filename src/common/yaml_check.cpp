@@ -87,7 +87,8 @@ class Check : public YAML::EventHandler {
     ++parent.children;
     parent.extent.entries += extent.entries;
     parent.extent.levels = std::max(parent.extent.levels, extent.levels + 1);
-    if (parent.extent.entries > MOST_ENTRIES) refuse(mark, "brings the entries, aliases unfolded, above a million");
+    if (parent.extent.entries > MOST_ENTRIES)
+      refuse(mark, "makes the file, aliases expanded, longer than a million entries");
   }
   [[noreturn]] void tooDeep(const YAML::Mark& mark) const {
     refuse(mark, "is nested more than " + std::to_string(DEEPEST) + " levels deep");

@@ -25,7 +25,7 @@ std::int64_t ArmingProtocol::ask(Request request, const LinkView& view, double n
     keep(ticket, false, "an abort is under way");
     return ticket;
   }
-  if (open_) keep(ticket_, false, "overtaken by another request");
+  if (open_) keep(ticket_, false, "superseded by another request");
   ticket_ = ticket;
   open_ = true;
   refused_before_ = view.status.commands_refused;

@@ -51,9 +51,10 @@ CheckReport reportOn(const ControllerAnswers& answers, const ControllerRules& ru
   }
   const bool slow = slowest > SLOW_ANSWER;
   if (slow) {
-    report.text += lineOf("  NOT READY  ", "slow: an answer took " + milliseconds(slowest) +
-                                               "; no other program may use the port, and a telemetry radio is no line "
-                                               "for pulses");
+    report.text +=
+        lineOf("  NOT READY  ", "slow: an answer took " + milliseconds(slowest) +
+                                    "; no other program may use the port, and a telemetry radio is not a line "
+                                    "for pulses");
   } else if (slowest > 0) {
     report.text += lineOf("  ok         ", "answers within " + milliseconds(slowest));
   }

@@ -138,7 +138,7 @@ struct Rule {
 const Rule RULES[] = {
     {Check::INAV, "", MSP_FC_VARIANT, [](const Answers& a, const Rules&) { return !isVariant(a, "INAV"); },
      foundVariant,
-     "iNav is not read back: its status tells no arming flags, and a dead bridge leaves full thrust for up to 0.92 s; "
+     "iNav is not read back: its status has no arming flags, and a dead bridge leaves full thrust for up to 0.92 s; "
      "use Betaflight 4.3 or later, or, at that price, run blind with --allow no-readback"},
     {Check::CONTROLLER, "controller", MSP_FC_VARIANT,
      [](const Answers& a, const Rules&) { return isVariant(a, "BTFL"); }, foundVariant,
@@ -190,7 +190,7 @@ const Rule RULES[] = {
      [](const Answers& a) { return "throttle is low below " + us(a.rx_config.min_check); },
      "throttle counts as low below another value than the vehicle file's radio.min_check, so thrust would be another "
      "than "
-     "planned; `set min_check = 1050`, `save`, or mend the vehicle file"},
+     "planned; `set min_check = 1050`, `save`, or correct the vehicle file"},
     {Check::RX_RANGE, "rx-range", MSP_RX_CONFIG,
      [](const Answers& a, const Rules& r) {
        return a.rx_config.shortest <= r.throttle_low && a.rx_config.longest >= r.throttle_high;
@@ -215,7 +215,7 @@ const Rule RULES[] = {
      [](const Answers& a) {
        return std::string(a.boxes.find(BOX_MSP_OVERRIDE) >= 0 ? "mode MSP OVERRIDE there" : "no mode MSP OVERRIDE");
      },
-     "there is no mode MSP OVERRIDE, so the pilot could not give way; give it a switch with `aux` (mode id 50), "
+     "there is no mode MSP OVERRIDE, so the pilot could not hand over; give it a switch with `aux` (mode id 50), "
      "`save`"},
 };
 

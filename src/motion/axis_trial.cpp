@@ -160,11 +160,12 @@ class Watch {
     const double off = run.outcome.largest_imbalance;
     if (stepper_.scheme().order() < 2 || !(off > FED * barrier_)) return;
     char words[300];
-    std::snprintf(words, sizeof words,
-                  "the motion failed at %.4g s: until then the scheme fed or ate %.3g mJ, more than %g %% of the lower "
-                  "barrier (%.3g mJ), so that "
-                  "the end mode would say nothing; take smaller steps (time: step, now up to %g s)",
-                  run.state.time, 1e3 * off, 100 * FED, 1e3 * barrier_, run.samples.back().step);
+    std::snprintf(
+        words, sizeof words,
+        "the motion failed at %.4g s: until then the scheme added or removed %.3g mJ, more than %g %% of the lower "
+        "barrier (%.3g mJ), so that "
+        "the end mode would say nothing; take smaller steps (time: step, now up to %g s)",
+        run.state.time, 1e3 * off, 100 * FED, 1e3 * barrier_, run.samples.back().step);
     throw AccountError(words);
   }
 

@@ -94,8 +94,8 @@ DensityField loadDensityPng(const std::string& path, double length, double heigh
   reading.bytes = &bytes;
   reading.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading, PngReading::fail, PngReading::ignore);
   if (reading.png) reading.info = png_create_info_struct(reading.png);
-  if (!reading.info) throw FileError(path, "libpng gives no memory");
-  if (!reading.readHeader()) throw FileError(path, std::string("is no PNG that can be read: ") + reading.message);
+  if (!reading.info) throw FileError(path, "libpng is out of memory");
+  if (!reading.readHeader()) throw FileError(path, std::string("is not a readable PNG: ") + reading.message);
   const int type = png_get_color_type(reading.png, reading.info);
   if (type != PNG_COLOR_TYPE_GRAY) throw FileError(path, "has " + colourName(type) + "; allowed: grey without alpha");
   if (reading.transparent) {

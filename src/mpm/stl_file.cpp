@@ -167,7 +167,7 @@ TriangleMesh readStl(const std::string& path, double unit) {
     mesh = TextReader(path, unit).read(common::plainText(bytes, path));
   } else {
     throw FileError(path,
-                    "is no STL: neither text that begins with 'solid', nor binary of the length that its header "
+                    "is not an STL: neither text that begins with 'solid', nor binary of the length that its header "
                     "states (" +
                         std::to_string(count) + " triangles take " + std::to_string(wanted) + " bytes, the file has " +
                         std::to_string(bytes.size()) + ")");

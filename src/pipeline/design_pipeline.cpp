@@ -149,7 +149,7 @@ class DesignPipeline {
     const std::string noted = stages_->notedHash("vehicle file", VEHICLE_FILE);
     if (fs::exists(path(VEHICLE_FILE)) && hash(VEHICLE_FILE) != noted && hash(VEHICLE_FILE) != common::sha256(text)) {
       throw common::FileError(path(VEHICLE_FILE),
-                              "was changed since it was made, and would be written over; put the change into " +
+                              "was changed since it was made, and would be overwritten; put the change into " +
                                   settings_.vehicle_file + " and remove this one");
     }
     Inputs inputs = {

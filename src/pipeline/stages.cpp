@@ -23,7 +23,7 @@ std::string notesIn(const std::string& folder) {
   const std::string notes = folder + "/" + NOTES;
   if (fs::is_directory(folder) && !fs::is_empty(folder) && !fs::is_directory(notes)) {
     throw common::FileError(folder,
-                            "holds files of something else; allowed: a folder that is new or empty, or one that "
+                            "holds foreign files; allowed: a folder that is new or empty, or one that "
                             "`snapwing design arm --into` has begun");
   }
   common::makeFolder(notes);
@@ -43,7 +43,7 @@ ordered_json jsonOf(const Inputs& inputs) {
 }
 
 Verdict verdictOf(const std::string& name) {
-  for (const Verdict v : {Verdict::PASS, Verdict::UNDECIDED, Verdict::TOLD}) {
+  for (const Verdict v : {Verdict::PASS, Verdict::UNDECIDED, Verdict::REPORTED}) {
     if (name == validation::verdictName(v)) return v;
   }
   return Verdict::FAIL;
@@ -54,7 +54,7 @@ std::string changedFile(const ordered_json& note, const std::string& folder) {
   const ordered_json files = note.value("files", ordered_json::object());
   for (const auto& [file, hash] : files.items()) {
     const std::string path = folder + "/" + file;
-    if (!fs::is_regular_file(path)) return file + " is not there any more";
+    if (!fs::is_regular_file(path)) return file + " no longer exists";
     if (common::sha256OfFile(path) != hash) return file + " is not what this stage left";
   }
   return "";
@@ -92,7 +92,7 @@ void Stages::tell(StageProgress::What what, const std::string& words, Verdict ve
 }
 
 void Stages::working(const std::string& words, double share) {
-  tell(StageProgress::What::WORKING, words, Verdict::TOLD, share);
+  tell(StageProgress::What::WORKING, words, Verdict::REPORTED, share);
 }
 
 std::string Stages::notedHash(const std::string& stage, const std::string& file) const {
@@ -125,7 +125,7 @@ StageResult Stages::run(const std::string& stage, const Inputs& inputs,
     }
   }
   const std::string why = whyAnew(stage, inputs);
-  tell(StageProgress::What::BEGUN, why, Verdict::TOLD, std::numeric_limits<double>::quiet_NaN());
+  tell(StageProgress::What::BEGUN, why, Verdict::REPORTED, std::numeric_limits<double>::quiet_NaN());
   const bool goes_on = kept_.load(stage + ".begun", key).has_value();
   kept_.forget(stage);
   kept_.save(stage + ".begun", key, ordered_json{{"inputs", jsonOf(inputs)}});

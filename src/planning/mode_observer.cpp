@@ -78,7 +78,7 @@ void ModeObserver::forget(const std::string& reason, Mode stated) {
   stated_ = stated;
 }
 
-void ModeObserver::state(Mode mode) { forget(mode == Mode::UNKNOWN ? "nobody has seen the mode" : "", mode); }
+void ModeObserver::state(Mode mode) { forget(mode == Mode::UNKNOWN ? "no reading has shown the mode yet" : "", mode); }
 
 void ModeObserver::reading(double stamp, double specific_force, double now, double steady) {
   if (!std::isfinite(specific_force)) {

@@ -72,7 +72,7 @@ void readColumns(const std::string& path, TrialSeries& out) {
       char* end = nullptr;
       values->push_back(std::strtod(cells[index].c_str(), &end));
       if (end == cells[index].c_str() || *end != '\0') {
-        throw common::FileError(path, place + ": '" + cells[index] + "' is no number");
+        throw common::FileError(path, place + ": '" + cells[index] + "' is not a number");
       }
     }
     const std::size_t rows = out.time.size();
@@ -219,7 +219,7 @@ TrialSeries readTrialSeries(const std::string& folder) {
     out.wings = model.empty() ? on : model.contains("linkage") && !model.at("linkage").is_null();
     out.barrier = model.empty() ? std::numeric_limits<double>::quiet_NaN() : model.at("static_barrier").get<double>();
   } catch (const nlohmann::json::exception& e) {
-    throw common::FileError(path, std::string("is no summary of a trial: ") + e.what());
+    throw common::FileError(path, std::string("is not a summary of a trial: ") + e.what());
   }
   return out;
 }

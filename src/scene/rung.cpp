@@ -68,7 +68,7 @@ Scene asPlanar(const Scene& scene, elasticity::Plane plane) {
   result.dimension = 2;
   result.plane = plane;
   for (const SceneBody& b : scene.bodies) {
-    if (!b.extruded) refuse("body '" + b.name + "' is no extrusion", "planar");
+    if (!b.extruded) refuse("body '" + b.name + "' is not an extrusion", "planar");
   }
   for (auto* list : {&result.supports, &result.symmetry}) {
     for (SceneSupport& s : *list) {

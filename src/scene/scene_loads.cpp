@@ -72,7 +72,7 @@ Eigen::VectorXd Constraints<D>::faceWeights(const SceneLoad& load) const {
   }
   if (total > 0) return weights / total;
   throw common::Error("'" + load.name + "' meets no " + (met ? "surface" : "material") + " of body '" + body.name +
-                      "'" + (met ? ": the plane lies in its inside" : "") +
+                      "'" + (met ? ": the plane lies inside the body" : "") +
                       "; allowed: a plane on which the body ends, at the place of its surface");
 }
 

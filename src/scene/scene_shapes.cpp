@@ -201,7 +201,7 @@ SceneBody readCopy(SettingsReader& r, const Reading& in, const std::vector<Scene
   const auto found = in.bodies.find(original);
   if (found == in.bodies.end() || found->second >= static_cast<int>(before.size()) ||
       before[found->second].copy_of >= 0) {
-    r.fail("copy_of", "'" + original + "'", "the name of a body above that is no copy itself");
+    r.fail("copy_of", "'" + original + "'", "the name of a body above that is not itself a copy");
   }
   SceneBody body = before[found->second];
   body.copy_of = found->second;

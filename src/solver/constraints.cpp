@@ -237,8 +237,8 @@ int redundantRows(const Coordinates& coordinates, const LinearRows& rows, double
     if (mobility.close(way)) return rows.count() - mobility.rank();
   }
   throw common::Error(quoted(rows.names, mobility.open()) +
-                      " cannot hold together: the rigid bodies between them leave no such motion; allowed: "
-                      "constraints that all can hold, and that driven ports can move");
+                      " contradict each other: the rigid bodies between them leave no such motion; allowed: "
+                      "constraints that can all hold, and that driven ports can move");
 }
 
 }  // namespace snapwing::solver

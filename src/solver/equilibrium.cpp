@@ -154,8 +154,8 @@ NewtonResult EquilibriumSolver::augment(Equilibrium& x) {
     x.multipliers += constraints_->penalty() * x.at.constraint_residual;
   }
   std::ostringstream text;
-  text << "ports and joints are open by " << x.at.constraint_residual.cwiseAbs().maxCoeff() << " m after " << most
-       << " updates of the multipliers";
+  text << "the constraint residual of ports and joints is " << x.at.constraint_residual.cwiseAbs().maxCoeff()
+       << " m after " << most << " updates of the multipliers";
   return finish(total, SolveStatus::ITERATION_LIMIT, text.str());
 }
 

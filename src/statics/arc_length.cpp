@@ -27,7 +27,7 @@ class ArcFollower {
     if (fresh) {
       const solver::NewtonResult result = solver_.correct(x_);
       count(result);
-      if (!result.converged()) return finish(result.status, "the start is no equilibrium: " + result.message);
+      if (!result.converged()) return finish(result.status, "the start is not an equilibrium: " + result.message);
     }
     w_ = settings_.weight > 0 ? settings_.weight : 1 / std::max(x_.slope.squaredNorm(), 1e-300);
     setDirection(x_.slope, direction);

@@ -59,7 +59,7 @@ class AutomaticFollower {
     const solver::NewtonResult result = solver.correct(x);
     if (!result.converged()) {
       whole_.status = result.status;
-      whole_.message = "the point to go on from is no equilibrium: " + result.message;
+      whole_.message = "the restart point is not an equilibrium: " + result.message;
       return finish();
     }
     first_z_ = start;

@@ -1,5 +1,6 @@
 // `snapwing curve`: traces the force-displacement curve of a vehicle's arm, or of any scene, with units and provenance.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -238,14 +239,31 @@ int runArm(const CurveOptions& options) {
 }
 
 int runCurve(const CurveOptions& options) {
-  const bool scene = scene::isScene(options.input) || options.rung == "volumetric";
-  checkEndings(options, scene);
-  if (scene) return runScene(options);
+  const bool scene = scene::isScene(options.input);
+  const bool traced_as_scene = scene || options.rung == "volumetric";
+  checkEndings(options, traced_as_scene);
+  if (scene) refuseArmOptions(options, {"--step", "--no-back"}, "for the arm of a vehicle; a scene states its path");
+  if (traced_as_scene) {
+    refuseArmOptions(options, {"--from", "--to"}, "for the planar arm of a vehicle");
+    return runScene(options);
+  }
   refuseSceneOptions(options);
+  if (options.rung == "lumped") {
+    refuseArmOptions(options, {"--step", "--no-back", "--from", "--to", "--plane"},
+                     "for a path that is traced, not a table");
+  }
   return options.rung == "lumped" ? runTable(options) : runArm(options);
 }
 
 }  // namespace
+
+void refuseArmOptions(const CurveOptions& options, const std::vector<std::string>& meaningless,
+                      const std::string& where) {
+  for (const std::string& name : meaningless) {
+    const auto& given = options.arm_options;
+    if (std::find(given.begin(), given.end(), name) != given.end()) throw common::Error(name + " is " + where);
+  }
+}
 
 void addCurveCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CurveOptions>();
@@ -257,7 +275,7 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--summary", options->summary, "Summary to write [JSON]");
   command->add_option("--cell-size", options->cell_size, "Cell size [m]; default: that of the design")
       ->check(realNumber(1e-6, 1e3, "m"));
-  command->add_option("--rung", options->rung, "How much is modelled: a vehicle's table, a slice, a solid")
+  command->add_option("--rung", options->rung, "Fidelity: a vehicle's table, a slice, a 3-D solid")
       ->check(CLI::IsMember({"lumped", "planar", "volumetric"}));
   command->add_option("--resolution", options->resolution,
                       "Cell size as 0.4mm or 4e-4 [m], or x2: half the scene's cells");
@@ -268,9 +286,10 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--steps", options->steps, "Scenes: points of the path")->check(wholeNumber(1, LARGEST_COUNT));
   command->add_flag("--arc-length", options->arc_length, "Scenes: follow the branch by arc length, through snap-back");
   command->add_flag("--no-arc-length", options->no_arc, "Scenes: displacement control alone, jumps included");
-  command->add_option("--drive", options->enforcement, "Scenes: how ports and joints are imposed")
+  command->add_option("--drive", options->enforcement, "Scenes: enforcement of ports and joints")
       ->check(CLI::IsMember({"elimination", "augmented_lagrangian", "multipliers"}));
-  command->add_option("--projection", options->projection, "When element Hessians are made positive")
+  command
+      ->add_option("--projection", options->projection, "When element Hessians are projected to be positive definite")
       ->check(CLI::IsMember({"on_demand", "clamp", "absolute"}))
       ->capture_default_str();
   command
@@ -284,28 +303,32 @@ void addCurveCommand(CLI::App& app, int& exit_code) {
   command->add_option("--seconds", options->seconds, "Scenes: most accurate measured rung within this time [s]")
       ->check(realNumber(0, 1e9, "s", true));
   command->add_option("--trade", options->trade, "Folder of measured errors and times; default: data/trade");
-  command->add_flag("--resume", options->resume, "Scenes: go on from the checkpoint of an interrupted run");
-  command->add_option("--checkpoint", options->checkpoint,
-                      "Scenes: file of what was reached; default: OUTPUT.checkpoint");
+  command->add_flag("--resume", options->resume, "Scenes: resume from the checkpoint of an interrupted run");
+  command->add_option("--checkpoint", options->checkpoint, "Scenes: checkpoint file; default: OUTPUT.checkpoint");
   command->add_option("--plot", options->plot, "Picture of the curve [PNG, PDF, SVG]");
   command->add_option("--vtu", options->vtu, "Scenes: folder for deformed cells of each point [VTU]");
-  command->add_option("--plane", options->plane, "How the arm behaves across its thickness")
+  command->add_option("--plane", options->plane, "Across the thickness of a slice: no stress or no strain")
       ->check(CLI::IsMember({"stress", "strain"}))
       ->capture_default_str();
-  command->add_option("--step", options->step, "Spacing of the points [m]")
+  command->add_option("--step", options->step, "Vehicles: spacing of the points [m]")
       ->check(realNumber(1e-6, 0.1, "m"))
       ->capture_default_str();
-  command->add_option("--from", options->from, "Lower end of travel [m], <= 0; default: the vehicle's limit")
+  command->add_option("--from", options->from, "Vehicles: lower end of travel [m], <= 0; default: the vehicle's limit")
       ->check(realNumber(-10, 0, "m"));
-  command->add_option("--to", options->to, "Upper end of travel [m], > 0; default: the vehicle's limit")
+  command->add_option("--to", options->to, "Vehicles: upper end of travel [m], > 0; default: the vehicle's limit")
       ->check(realNumber(0, 10, "m", true));
-  command->add_flag("--no-back", options->no_back, "Do not trace the way back");
+  command->add_flag("--no-back", options->no_back, "Vehicles: do not trace the way back");
   command->add_option("--threads", options->threads, "Threads of the assembly; the result has the same bits")
       ->check(wholeNumber(1, 256))
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Print the summary as JSON, not a few lines");
+  command->add_flag("--json", options->json, "Print the summary as JSON in place of a few lines");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
-  command->callback([options, &exit_code] { exit_code = runCurve(*options); });
+  command->callback([options, command, &exit_code] {
+    for (const char* name : {"--step", "--no-back", "--from", "--to", "--plane"}) {
+      if (command->count(name) > 0) options->arm_options.emplace_back(name);
+    }
+    exit_code = runCurve(*options);
+  });
 }
 
 }  // namespace snapwing::tools

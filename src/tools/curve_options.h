@@ -19,7 +19,13 @@ struct CurveOptions {
   bool no_back = false, quiet = false, json = false, arc_length = false, no_arc = false, reverse = false,
        resume = false;
   int threads = 1, particles = 0, steps = 0;
+  std::vector<std::string> arm_options;  ///< those of a vehicle's planar arm that were given
 };
+
+/// @throws common::Error for the first option that was given and means nothing here. @param where  it would mean
+/// something
+void refuseArmOptions(const CurveOptions& options, const std::vector<std::string>& meaningless,
+                      const std::string& where);
 
 /// SIGINT ends the run after the current iteration, with what was reached, as long as this lives.
 class InterruptGuard {

@@ -63,6 +63,12 @@ void applyRung(scene::Scene& scene, const std::string& rung, const CurveOptions&
 scene::Scene askedScene(const CurveOptions& options, std::optional<scene::TradeRow>& choice) {
   scene::Scene scene = sourceScene(options);
   const double own_cell_size = scene.cell_size;
+  const bool may_slice = options.rung == "planar" || asked(options.error) || asked(options.seconds);
+  if (scene.dimension == 2) {
+    refuseArmOptions(options, {"--plane"}, "for slices of a solid; a planar scene states the key 'plane'");
+  } else if (!may_slice) {
+    refuseArmOptions(options, {"--plane"}, "for slices of a solid: give --rung planar too");
+  }
   if (asked(options.error) || asked(options.seconds)) {
     choice =
         scene::chooseRow(scene::loadTrade(tradeFolder(options)), scene, asked(options.error), asked(options.seconds));
@@ -169,7 +175,7 @@ class Checkpoints {
   Checkpoints(const CurveOptions& options, const scene::Scene& scene)
       : hash_(statics::traceHash(scene, options.reverse ? "reverse" : "")), file_(fileOf(options)) {
     if (options.resume && file_.empty())
-      throw common::Error("--resume needs --output, --csv or --checkpoint: it goes on from the file OUTPUT.checkpoint");
+      throw common::Error("--resume needs --output, --csv or --checkpoint: it resumes from the file OUTPUT.checkpoint");
     if (!options.resume || !std::filesystem::exists(file_)) return;
     known_ = std::make_unique<statics::SceneCurve>(statics::loadCheckpoint(file_, hash_));
     if (!options.quiet) std::fprintf(stderr, "resuming after %zu points\n", known_->path.points.size());

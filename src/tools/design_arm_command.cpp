@@ -88,7 +88,7 @@ void printRun(const ArmRun& run) {
   std::printf("optimiser: %s %s, objective %.4f, violation %.4f, %d evaluations, %.1f s (%.1f s of all cores)\n",
               nameOf(run.result.status).c_str(), run.result.message.c_str(), run.result.objective, run.result.violation,
               run.evaluations, run.seconds, run.cpu_seconds);
-  if (run.result.status == OptimizerStatus::CANCELLED) std::printf("cancelled; go on with --resume\n");
+  if (run.result.status == OptimizerStatus::CANCELLED) std::printf("cancelled; resume with --resume\n");
 }
 
 void printParts(const ArmPartsReport& parts) {

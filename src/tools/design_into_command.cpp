@@ -74,7 +74,7 @@ int designInto(const pipeline::DesignPipelineSettings& settings, const Validatio
   const pipeline::DesignPipelineResult result = pipeline::designPipeline(settings, hooks);
   printStages(result);
   if (result.cancelled) {
-    std::fprintf(stderr, "stopped; the same command goes on with the stages that are done\n");
+    std::fprintf(stderr, "stopped; the same command resumes after the stages that are done\n");
     return 1;
   }
   const Verdict verdict = result.verdict();

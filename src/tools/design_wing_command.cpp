@@ -70,7 +70,7 @@ void reportClearance(const WingClearance& c) {
 std::string name(const StackPlan& plan, int piece) { return plan.pieces[static_cast<std::size_t>(piece)].name; }
 
 void reportLayers(const StackPlan& plan) {
-  std::cout << "  over one another on the way:";
+  std::cout << "  overlapping pairs during the motion:";
   for (const Meeting& m : plan.over) {
     std::cout << (&m == &plan.over.front() ? " " : ", ") << name(plan, m.first) << " and " << name(plan, m.second);
   }

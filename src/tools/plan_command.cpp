@@ -56,7 +56,7 @@ void printPlan(const planning::TransitionPlan& plan) {
 }
 
 void printAccidents(const std::vector<planning::AccidentMargin>& margins, bool wings) {
-  std::printf("what may flip the mode by accident (nominal vehicle in flight, wings %s):\n", wings ? "on" : "off");
+  std::printf("what may change the mode by accident (nominal vehicle in flight, wings %s):\n", wings ? "on" : "off");
   for (const auto& m : margins) {
     if (std::isinf(m.limit)) {
       std::printf("  %-34s no limit found    ", m.name.c_str());
@@ -116,7 +116,7 @@ int plan(const PlanOptions& options) {
 void addPlanCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PlanOptions>();
   planning::PlannerSettings& s = options->settings;
-  CLI::App* command = app.add_subcommand("plan", "find the pulse that switches the mode for the whole uncertainty");
+  CLI::App* command = app.add_subcommand("plan", "Find a pulse that switches the mode over the whole uncertainty");
   command->add_option("vehicle", options->vehicle_file, "vehicle file [YAML]")->required();
   command->add_option("--from", options->start, "mode at the start: F or Q")->required();
   addHoldTo(*command, s.hold_throttle, s.hold_duration);

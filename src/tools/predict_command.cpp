@@ -93,7 +93,7 @@ int predict(const PredictOptions& options) {
               validation::pulseTimes(options.pulse).c_str());
   std::printf("%s\n", predictionLine(prediction).c_str());
   if (!prediction.start_held)
-    std::printf("note: mode %s is no equilibrium under the loads before the pulse\n", options.start.c_str());
+    std::printf("note: mode %s is not an equilibrium under the loads before the pulse\n", options.start.c_str());
   return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }
 
@@ -101,7 +101,7 @@ int predict(const PredictOptions& options) {
 
 void addPredictCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PredictOptions>();
-  CLI::App* command = app.add_subcommand("predict", "what a thrust pulse does, by the reduced model");
+  CLI::App* command = app.add_subcommand("predict", "Predict what a thrust pulse does, with the reduced model");
   command->add_option("vehicle", options->vehicle_file, "vehicle file [YAML]")->required();
   command->add_option("--from", options->start, "mode at the start: F or Q")->required();
   command->add_option("--throttle", options->pulse.throttle, "stick travel [0 .. 1]")

@@ -285,11 +285,11 @@ void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
   std::printf("largest strain of the arms %.3g", o.largest_strain);
   const auto& limit = work.vehicle.material.strain_limit;
   if (limit) {
-    std::printf("; the material bears %.3g once, how many times is unknown\n", limit->low());
+    std::printf("; the material's strain limit is %.3g for a single load, its fatigue life unknown\n", limit->low());
   } else {
-    std::printf("; what the material bears is unknown (material.strain_limit)\n");
+    std::printf("; the material's strain limit is unknown (material.strain_limit)\n");
   }
-  if (!o.start_held) std::printf("note: the start mode is no equilibrium under the loads before the pulse\n");
+  if (!o.start_held) std::printf("note: the start mode is not an equilibrium under the loads before the pulse\n");
 }
 
 std::unique_ptr<const motion::TrialVehicle> vehicleOf(const Work& work, const vehicle::Trial& surroundings,
@@ -320,7 +320,7 @@ int runSolid(const Work& work) {
   const std::string checkpoint = work.path("checkpoint.bin"), owner = work.hash();
   if (std::filesystem::exists(checkpoint)) {
     run = motion::loadTrialCheckpoint(checkpoint, owner);
-    std::fprintf(stderr, "goes on at %.4f s from %s\n", run.state.time, checkpoint.c_str());
+    std::fprintf(stderr, "resuming at %.4f s from %s\n", run.state.time, checkpoint.c_str());
   }
   Progress progress(work, trial.changes().back() + trial.horizon);
   progress.startsAt(run.state.time);
@@ -353,7 +353,7 @@ int runSolid(const Work& work) {
   writeRecord(work, vehicle, run, summary);
   frames.finish(run);
   if (!ended) {
-    std::fprintf(stderr, "stopped at %.4f s; the same command goes on from the last checkpoint\n", run.state.time);
+    std::fprintf(stderr, "stopped at %.4f s; the same command resumes from the last checkpoint\n", run.state.time);
     return 1;
   }
   std::filesystem::remove(checkpoint);
@@ -436,7 +436,7 @@ int runRepeats(const Options& options, const motion::TrialFile& file, const std:
 void addTrialCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("trial", "simulate one pulse: by tables, by one soft arm in the plane, or as a solid");
+      app.add_subcommand("trial", "Simulate one pulse: by tables, by one soft arm in the plane, or as a 3-D solid");
   command->add_option("trial", options->file, "trial file [YAML]")->required();
   command->add_option("-o,--output", options->folder, "folder for series, summary and checkpoint")->required();
   command->add_option("--threads", options->threads, "of assembly; the bits do not depend on it")

@@ -22,7 +22,7 @@ struct Options {
 
 void printChecks(const std::vector<validation::Check>& checks) {
   for (const validation::Check& c : checks) {
-    if (c.verdict == validation::Verdict::TOLD) continue;
+    if (c.verdict == validation::Verdict::REPORTED) continue;
     std::printf("%-4s  %s\n", validation::verdictName(c.verdict).c_str(), pipeline::checkLine(c).c_str());
   }
 }
@@ -46,7 +46,7 @@ int validateVehicle(const Options& options) {
   const pipeline::VehicleValidation answer = pipeline::validateVehicle(job);
   const validation::Validation& found = answer.found;
   if (found.cancelled) {
-    std::fprintf(stderr, "stopped; the same command goes on with the trials that are done\n");
+    std::fprintf(stderr, "stopped; the same command resumes after the trials that are done\n");
     return 1;
   }
   printChecks(found.checks);
@@ -61,7 +61,8 @@ int validateVehicle(const Options& options) {
 void addValidateCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "validate", "test a vehicle's arm and plans on every rung: static curve, pulses on soft arms in time, accidents");
+      "validate",
+      "Check a vehicle's arm and plans at every rung: static curve, pulses on soft arms in time, accidents");
   command->add_option("vehicle", options->vehicle_file, "vehicle file [YAML]")->required();
   command->add_option("-o,--output", options->folder, "folder for report.html, validation.json and trials")->required();
   command->add_option("--plan", options->plans,

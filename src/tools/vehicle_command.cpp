@@ -129,7 +129,7 @@ void printPlan(const vehicle::Vehicle& vehicle, const char* name, const std::str
     const validation::PlanFile plan = validation::loadPlan(file);
     const bool own = plan.vehicle_sha256 == vehicle.sha256;
     std::printf("plan %s: throttle %.3f %s%s\n", name, plan.pulse.throttle, validation::pulseTimes(plan.pulse).c_str(),
-                own ? "" : ", but of another version of this file: plan anew");
+                own ? "" : ", but of another version of this file: plan again");
   } catch (const common::Error& e) {
     std::printf("plan %s: none: %s\n", name, e.what());
   }
@@ -148,7 +148,7 @@ void printResults(const vehicle::Vehicle& vehicle) {
     const auto holds = [&](const char* key) { return read && json.contains(key) && json[key] == true; };
     words = holds("passed") ? "passed" : holds("undecided") ? "NOT decided" : "NOT passed";
     const bool own = read && json.contains("vehicle_sha256") && json["vehicle_sha256"] == vehicle.sha256;
-    if (!own) words = "of another version of this file: validate anew";
+    if (!own) words = "of another version of this file: validate again";
   }
   std::printf("validation: %s\n", words.c_str());
 }

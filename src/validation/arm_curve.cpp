@@ -85,9 +85,9 @@ bool snaps(const ArmCurve& curve) { return !curve.turns.empty() || curve.unstabl
 
 std::string snapWords(const ArmCurve& curve) {
   if (!curve.turns.empty())
-    return "the travel turns back at " + listed(curve.turns) + ": the arm jumps there by itself";
+    return "the travel turns back at " + listed(curve.turns) + ": the arm snaps there by itself";
   if (curve.unstable == 0) return "stable at every travel";
-  return std::to_string(curve.unstable) + " points are unstable at their travel: the arm jumps there by itself";
+  return std::to_string(curve.unstable) + " points are unstable at their travel: the arm snaps there by itself";
 }
 
 std::string stateWords(const ArmCurve& curve) {
@@ -151,11 +151,11 @@ std::vector<Check> checkCurve(const std::vector<ArmCurve>& curves, const vehicle
                             "allowed: the table's, within 2 mm" + atEach(curves, &ArmCurve::second_travel, 1e3, "mm")));
   }
   const Estimate valley = estimateOf(curves, &ArmCurve::valley_force);
-  checks.push_back(
-      told(name + "valley", valley.value, "N",
-           "the table has " + shortly(stated.valley_force) + " N" + atEach(curves, &ArmCurve::valley_force, 1, "N")));
+  checks.push_back(reported(
+      name + "valley", valley.value, "N",
+      "the table has " + shortly(stated.valley_force) + " N" + atEach(curves, &ArmCurve::valley_force, 1, "N")));
   checks.back().error = valley.error;
-  checks.push_back(told(name + "smallest det F", curves.back().min_det_f, "1"));
+  checks.push_back(reported(name + "smallest det F", curves.back().min_det_f, "1"));
   return checks;
 }
 

@@ -9,7 +9,7 @@ namespace snapwing::validation {
 std::string verdictName(Verdict verdict) {
   if (verdict == Verdict::PASS) return "pass";
   if (verdict == Verdict::UNDECIDED) return "UNDECIDED";
-  return verdict == Verdict::FAIL ? "FAIL" : "told";
+  return verdict == Verdict::FAIL ? "FAIL" : "reported";
 }
 
 std::string allowedWords(const Check& check) {
@@ -54,10 +54,10 @@ Check yesOrNo(const std::string& name, bool holds, const std::string& words) {
   return check;
 }
 
-Check told(const std::string& name, double value, const std::string& unit, const std::string& words) {
+Check reported(const std::string& name, double value, const std::string& unit, const std::string& words) {
   Check check;
   check.name = name;
-  check.verdict = Verdict::TOLD;
+  check.verdict = Verdict::REPORTED;
   check.value = value;
   check.unit = unit;
   check.words = words;

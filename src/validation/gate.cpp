@@ -247,10 +247,11 @@ class PlanGate {
     for (const ValidationTrial& t : found_.trials) {
       if (t.plan != plan_ || t.role != TrialRole::NOMINAL || t.finer) continue;
       if (t.trial.rung == TrialRung::LUMPED) continue;
-      checks_.push_back(told(name(motion::rungName(t.trial.rung) + ", " + roleName(t) + ": fed or eaten by the scheme"),
-                             1e3 * t.outcome.imbalance, "mJ", "largest at any time"));
+      checks_.push_back(
+          reported(name(motion::rungName(t.trial.rung) + ", " + roleName(t) + ": energy error of the scheme"),
+                   1e3 * t.outcome.imbalance, "mJ", "largest at any time"));
     }
-    checks_.push_back(told(name("planar: smallest det F of a step"), full->min_det_f, "1"));
+    checks_.push_back(reported(name("planar: smallest det F of a step"), full->min_det_f, "1"));
   }
 
   /// The largest strain of the nominal switch beside what the material bears; it does not gate.
@@ -259,11 +260,11 @@ class PlanGate {
     const RungOutcome* counts = fine != nullptr ? fine : ofPlane(TrialRole::NOMINAL, false);
     if (counts == nullptr) return;
     const auto& limit = vehicle_.material.strain_limit;
-    Check check = told(name("planar: largest strain"), counts->strain, "1",
-                       limit ? "allowed: the file's material.strain_limit, borne once"
-                             : "what the material bears is unknown (material.strain_limit is not given)");
+    Check check = reported(name("planar: largest strain"), counts->strain, "1",
+                           limit ? "allowed: the file's material.strain_limit, for a single load"
+                                 : "the material's strain limit is unknown (material.strain_limit is not given)");
     if (limit) check.high = limit->low();
-    check.words += "; how many switches it bears is unknown";
+    check.words += "; its fatigue life is unknown";
     checks_.push_back(check);
   }
 
@@ -312,7 +313,7 @@ std::vector<Check> checkCarried(const Validation& found, const vehicle::Vehicle&
     if (one != nullptr && !one->failure.empty()) words += "; " + one->failure;
   }
   Check check = within(std::string("accident: ") + HELD_UPRIGHT + ", planar", limit, lumped->occurs, NAN, "N", words);
-  if (!mustSurvive(vehicle, HELD_UPRIGHT)) check.verdict = Verdict::TOLD;
+  if (!mustSurvive(vehicle, HELD_UPRIGHT)) check.verdict = Verdict::REPORTED;
   return {check};
 }
 
@@ -333,7 +334,7 @@ std::vector<Check> checkAccidents(const std::vector<planning::AccidentMargin>& a
     }
     std::string words = a.explanation;
     if (std::isinf(a.limit)) words += "; no limit within reach";
-    Check check = told("accident: " + a.name, a.limit, a.unit, words);
+    Check check = reported("accident: " + a.name, a.limit, a.unit, words);
     if (std::isfinite(a.occurs)) check.low = a.occurs;
     if (gates) check.verdict = a.holds ? Verdict::PASS : Verdict::FAIL;
     checks.push_back(check);

@@ -83,7 +83,7 @@ json parse(const std::string& path) {
   if (!in) throw common::FileError(path, "cannot be read");
   try {
     json whole = json::parse(in);
-    if (!whole.is_object()) throw common::FileError(path, "is no JSON object; make it with snapwing plan --json");
+    if (!whole.is_object()) throw common::FileError(path, "is not a JSON object; make it with snapwing plan --json");
     return whole;
   } catch (const json::exception& e) {
     throw common::FileError(path, std::string("is no JSON: ") + e.what());

@@ -56,8 +56,8 @@ std::string checkTable(const Validation& found, bool gating) {
   std::string html = "<table><tr><th></th><th>what</th><th>found</th><th>" +
                      std::string(gating ? "allowed" : "met in use") + "</th><th></th></tr>\n";
   // What failed is read first.
-  for (const Verdict verdict : {Verdict::FAIL, Verdict::UNDECIDED, Verdict::PASS, Verdict::TOLD}) {
-    if ((verdict != Verdict::TOLD) != gating) continue;
+  for (const Verdict verdict : {Verdict::FAIL, Verdict::UNDECIDED, Verdict::PASS, Verdict::REPORTED}) {
+    if ((verdict != Verdict::REPORTED) != gating) continue;
     for (const Check& c : found.checks) {
       if (c.verdict == verdict) html += checkRow(c);
     }
@@ -179,7 +179,8 @@ std::string reportHtml(const Validation& found, const vehicle::ForceTable& table
   html += "<div class='plots'>\n" + curvePlot(found, table);
   for (std::size_t k = 0; k < found.plans.size(); ++k) html += plots(found, static_cast<int>(k));
   html +=
-      "</div>\n<h2>Told</h2>\n<p>Numbers that do not gate. An accident gates if the vehicle file's must_survive "
+      "</div>\n<h2>Reported</h2>\n<p>Numbers that decide nothing. An accident decides if the vehicle file's "
+      "must_survive "
       "names it.</p>\n" +
       checkTable(found, false);
   html += "<h2>Trials</h2>\n" + trialTable(found);

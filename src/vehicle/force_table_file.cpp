@@ -143,12 +143,12 @@ ForceTable load(const std::string& path, bool with_shapes) {
     throw common::FileError(
         path, "format_version is " + (format.empty() ? "missing" : std::to_string(format[0])) +
                   "; allowed: " + std::to_string(FORMAT_VERSION) +
-                  ", which holds the arm's inertia; make the table anew with `snapwing curve VEHICLE.yaml "
+                  ", which holds the arm's inertia; make the table again with `snapwing curve VEHICLE.yaml "
                   "-o TABLE.h5` (the shipped ones: scripts/make_tables)");
   }
   ForceTable t;
   const auto arms = readArray<int>(file, "arm_count", "1", path);
-  if (arms.size() != 1) throw common::FileError(path, "arm_count is no single number");
+  if (arms.size() != 1) throw common::FileError(path, "arm_count is not a single number");
   t.arm_count = arms[0];
   t.travel = readArray<double>(file, "travel", "m", path);
   t.force = readArray<double>(file, "force", "N", path);
@@ -161,7 +161,7 @@ ForceTable load(const std::string& path, bool with_shapes) {
   t.kinetic_mass = readArray<double>(file, "kinetic_mass", "kg", path);
   t.coupled_mass = readArray<double>(file, "coupled_mass", "kg", path);
   const auto mass = readArray<double>(file, "mass", "kg", path);
-  if (mass.size() != 1) throw common::FileError(path, "mass is no single number");
+  if (mass.size() != 1) throw common::FileError(path, "mass is not a single number");
   t.mass = mass[0];
   t.force_back = readArray<double>(file, "force_back", "N", path);
   if (with_shapes) t.shapes = readShapes(file, t.travel.size(), path);

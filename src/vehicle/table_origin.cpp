@@ -36,7 +36,7 @@ std::string armInputs(const Vehicle& vehicle) {
 }
 
 std::string anew(const Vehicle& vehicle, const std::string& path) {
-  return "; `snapwing curve " + vehicle.file + " -o " + path + "` computes it anew";
+  return "; `snapwing curve " + vehicle.file + " -o " + path + "` computes it again";
 }
 
 const std::string* find(const std::map<std::string, std::string>& map, const std::string& key) {
@@ -66,7 +66,7 @@ std::string shorter(const std::string& value) { return value.size() == 64 ? "sha
 
 std::string wingRemedy(const Vehicle& vehicle) {
   return "; `snapwing design wing SETTINGS.yaml -o FOLDER` with motion.table: " + vehicle.arm.table_file +
-         " makes it anew";
+         " makes it again";
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST_F(OutputFile, NoTwoOutputsAreOneFileAndFoldersAreLookedAt) {
   EXPECT_EQ(messageOf([&] { files.writes(in("late/a.csv"), "--output"); }), "");
   EXPECT_FALSE(fs::exists(in("new")));
   with("file", "");
-  EXPECT_NE(messageOf([&] { files.fills(in("file/folder"), "--vtu"); }).find("is no folder"), std::string::npos);
+  EXPECT_NE(messageOf([&] { files.fills(in("file/folder"), "--vtu"); }).find("is not a folder"), std::string::npos);
   EXPECT_NE(messageOf([&] { makeFolder(in("file/folder")); }).find("cannot be made"), std::string::npos);
 }
 

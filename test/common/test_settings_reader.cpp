@@ -73,9 +73,9 @@ TEST(SettingsReader, KeyGivenTwiceIsRefused) {
 }
 
 TEST(SettingsReader, BrokenFilesAreRefused) {
-  expectParts(messageOf([] { reader("a: [1, 2"); }), {"no valid YAML"});
-  expectParts(messageOf([] { reader(""); }), {"no YAML map"});
-  expectParts(messageOf([] { reader("- 1"); }), {"no YAML map"});
+  expectParts(messageOf([] { reader("a: [1, 2"); }), {"invalid YAML"});
+  expectParts(messageOf([] { reader(""); }), {"not a YAML map"});
+  expectParts(messageOf([] { reader("- 1"); }), {"not a YAML map"});
   expectParts(messageOf([] { SettingsReader::fromFile("missing.yaml"); }), {"missing.yaml"});
 }
 

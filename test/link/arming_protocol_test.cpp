@@ -201,7 +201,7 @@ TEST_F(Arming, AbortEndsEverythingAndKeepsItsPlace) {
     const std::int64_t abort = ask(Request::ABORT);
     EXPECT_FALSE(protocol_.armSwitch());
     EXPECT_FALSE(protocol_.deadmanAllowed());
-    EXPECT_TRUE(over(arming) && !answer_.success && says("overtaken"));
+    EXPECT_TRUE(over(arming) && !answer_.success && says("superseded"));
     const std::int64_t late = ask(Request::ARM);
     EXPECT_TRUE(over(late) && !answer_.success && says("abort"));
     const std::int64_t reset = ask(Request::RESET);

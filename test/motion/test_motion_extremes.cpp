@@ -81,7 +81,7 @@ TEST(MotionExtremes, StepsThatFeedABarrierAreRefused) {
       {"no damping", 0.5, 0.06, 2e-3, 0.3, [](P& p, T&) { p.damping = 0; }},
   };
   for (const Extreme& extreme : cases) {
-    EXPECT_NE(run(extreme).find("the scheme fed or ate"), std::string::npos) << extreme.name;
+    EXPECT_NE(run(extreme).find("the scheme added or removed"), std::string::npos) << extreme.name;
   }
 }
 

@@ -118,7 +118,8 @@ TEST(Schemes, FindTheThresholdPulsesOfTheQuartic) {
   }
 }
 
-/// What the scheme fed or ate over free swings: nothing for two Gauss points on a quartic (exact to degree 3 in s).
+/// What the scheme added or removed over free swings: nothing for two Gauss points on a quartic (exact to degree 3 in
+/// s).
 TEST(AverageForce, KeepsTheEnergyOfTheQuarticToRounding) {
   Stepper stepper(doubleWell(), Scheme(SchemeKind::AVERAGE_FORCE, 2), test::equalSteps(0.05, 1e-12));
   MotionState state = stepper.start(Eigen::VectorXd::Constant(1, 0.2), Eigen::VectorXd::Zero(1));

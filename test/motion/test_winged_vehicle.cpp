@@ -170,7 +170,7 @@ TEST(WingedVehicle, WhatTheSchemeFedIsNoAnswer) {
     fly(s, settings, 0.583, 0.286, 1);
     FAIL() << "an answer";
   } catch (const common::Error& error) {
-    EXPECT_NE(std::string(error.what()).find("fed or ate"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("added or removed"), std::string::npos) << error.what();
   }
 }
 

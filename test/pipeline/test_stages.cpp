@@ -77,7 +77,7 @@ TEST_F(StagesTest, AFileThatIsNotWhatItWasIsNamed) {
   fs::remove(folder_ + "/file");
   session({{"x", "1"}});
   EXPECT_EQ(done_, 3);
-  EXPECT_EQ(told_.front().words, "anew: file is not there any more");
+  EXPECT_EQ(told_.front().words, "anew: file no longer exists");
 }
 
 TEST_F(StagesTest, WhatWasBegunGoesOnWithTheSameInputsOnly) {

@@ -63,7 +63,7 @@ class Csv(Files):
         self.refused("line 3 has 3 fields; allowed: the 2 of the header", self.read, "time_s,travel_m\n0,1\n1,0,5\n")
         self.refused("line 2 has 1 fields", self.read, "time_s,travel_m\n0\n")
         for word in ("1abc", "1_0", "", "0x1", "1;2"):
-            self.refused("line 3, column 'travel_m': '{}' is no number".format(word), self.read,
+            self.refused("line 3, column 'travel_m': '{}' is not a number".format(word), self.read,
                          "# remark\ntime_s,travel_m\n0,{}\n".format(word))
         self.refused("given twice", self.read, "time_s,travel_m,time_s\n0,1,2\n")
         self.refused("column 'travel_m' is missing", self.read, "time_s,travel_mm\n0,1\n")

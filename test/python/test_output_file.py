@@ -85,7 +85,7 @@ class OutputFile(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "is a folder"):
             require_writable(self.folder)
         (self.folder / "file").write_text("")
-        with self.assertRaisesRegex(InputError, "is no folder"):
+        with self.assertRaisesRegex(InputError, "is not a folder"):
             require_folder(self.folder / "file" / "x")
         require_folder(self.folder / "new" / "deeper")
         self.assertEqual(self.names(), ["file"])

@@ -243,7 +243,7 @@ class Command(unittest.TestCase):
             file.write(whole.read()[:4000])
         self.refused("cut off", cut)
         self.refused("column 'duration_s' is missing; found throttle, seconds", self.good, "--map", "F", columns)
-        self.refused("line 2, column 'share_switched': 'much' is no number", self.good, "--map", "F", words)
+        self.refused("line 2, column 'share_switched': 'much' is not a number", self.good, "--map", "F", words)
         self.refused("a header but no rows", self.good, "--map", "F", header)
         self.refused("share_switched = 1.5 is outside 0 .. 1", self.good, "--map", "F", share)
         self.refused("expected F or Q", self.good, "--map", "X", words)

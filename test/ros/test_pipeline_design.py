@@ -34,7 +34,7 @@ class Design(unittest.TestCase):
         first = self.asked.ask(self.goal, lambda f: f.name == "vehicle file" and self.asked.client.cancel_goal())
         self.assertEqual(self.asked.client.get_state(), GoalStatus.PREEMPTED)
         self.assertEqual(first.code, DesignPipelineResult.PREEMPTED, first.message)
-        self.assertIn("goes on", first.message)
+        self.assertIn("resumes", first.message)
         self.asked.kill_when(self.goal, lambda f: f.name == "validation" and f.seconds_left > 0)
         self.assertEqual([self.begun_with()[name] for name in STAGES[:3]], [kept] * 3)
         result = self.asked.ask(self.goal)

@@ -25,6 +25,12 @@ class Numbers(Case):
         for option, values in (("--to", ("1e9", "nan", "0", "-1")), ("--from", ("nan", "1", "-1e9"))):
             for value in values:
                 self.refused(vehicle, option, value, "a number, ")
+        for where, words, reason in ((scene, ("--step", "1e-3"), "for the arm of a vehicle"), (scene, ("--no-back",), "for the arm of a vehicle"),
+                                     (scene, ("--to", "1"), "for the planar arm"), (scene, ("--plane", "stress"), "states the key 'plane'"),
+                                     ([*vehicle, "--rung", "volumetric"], ("--from", "0"), "for the planar arm"),
+                                     ([*vehicle, "--rung", "volumetric"], ("--plane", "strain"), "give --rung planar too"),
+                                     ([*vehicle, "--rung", "lumped"], ("--plane", "strain"), "for a path that is traced")):
+            self.assertIn(f"{words[0]} is {reason}" if reason.startswith("for") else reason, self.refusal(*where, *words))
         self.assertIn("allowed: at most 100000", self.refusal(*vehicle, "--to", "10", "--step", "1e-6"))
 
     def test_predict(self):

@@ -97,8 +97,8 @@ class Places(Case):
             self.assertNotIn(".part", message)
         self.assertLess(time.monotonic() - begin, 30)  # a plan alone takes longer on a busy machine
         self.file("file", "")
-        self.assertIn("is no folder", self.refusal("curve", "s.yaml", *COARSE, "--steps", "14", "--vtu", "file/vtu"))
-        self.assertIn("is no folder", self.refusal("design", "arm", ROOT / "config/designs/arm_default.yaml", "-o", "file/x"))
+        self.assertIn("is not a folder", self.refusal("curve", "s.yaml", *COARSE, "--steps", "14", "--vtu", "file/vtu"))
+        self.assertIn("is not a folder", self.refusal("design", "arm", ROOT / "config/designs/arm_default.yaml", "-o", "file/x"))
 
     def test_removed_working_folder(self):
         gone = self.folder / "gone"
@@ -106,7 +106,7 @@ class Places(Case):
         words = ["bash", "-c", 'rmdir "$PWD"; exec "$@"', "x", PROGRAM, *map(str, PREDICT), "--json", "x.json"]
         done = subprocess.run(words, cwd=gone, stderr=subprocess.PIPE, stdout=subprocess.PIPE, timeout=60)
         self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertIn(b"x.json: the working folder does not exist any more", done.stderr)
+        self.assertIn(b"x.json: the working folder no longer exists", done.stderr)
 
     def test_names_that_are_no_utf8(self):
         scene = self.folder / os.fsdecode(b"Pr\xfcf.yaml")

@@ -28,7 +28,7 @@ Verdict verdictOf(const std::vector<Check>& checks, const std::string& end) {
     found = &c;
   }
   EXPECT_NE(found, nullptr) << "no check ends with " << end;
-  return found == nullptr ? Verdict::TOLD : found->verdict;
+  return found == nullptr ? Verdict::REPORTED : found->verdict;
 }
 
 TEST(Check, ANumberThatIsNoneFails) {
@@ -40,8 +40,8 @@ TEST(Check, ANumberThatIsNoneFails) {
 
 TEST(Check, NothingCheckedIsNotPassed) {
   EXPECT_FALSE(passed({}));
-  EXPECT_FALSE(passed({told("x", 1, "m")}));
-  EXPECT_TRUE(passed({told("x", 1, "m"), yesOrNo("y", true, "")}));
+  EXPECT_FALSE(passed({reported("x", 1, "m")}));
+  EXPECT_TRUE(passed({reported("x", 1, "m"), yesOrNo("y", true, "")}));
   EXPECT_FALSE(passed({yesOrNo("y", true, ""), yesOrNo("z", false, "")}));
 }
 
@@ -151,7 +151,7 @@ TEST(Gate, TheLargestStrainIsToldAndGatesNothing) {
   found.trials[2].outcome.strain = 5;
   vehicle.material.strain_limit = common::Quantity{4, 0};
   EXPECT_TRUE(passed(checkTrials(found, vehicle)));
-  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar: largest strain"), Verdict::TOLD);
+  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar: largest strain"), Verdict::REPORTED);
 }
 
 TEST(Check, AnErrorBarAcrossALimitIsUndecidedAndDoesNotPass) {
@@ -266,7 +266,7 @@ TEST(Gate, AnAccidentThatStatesNothingThatIsMetCannotGate) {
   std::vector<planning::AccidentMargin> accidents(1);
   accidents[0].name = "gust", accidents[0].limit = 10, accidents[0].occurs = NAN, accidents[0].holds = true;
   vehicle.must_survive = {};
-  EXPECT_EQ(verdictOf(checkAccidents(accidents, vehicle), "accident: gust"), Verdict::TOLD);
+  EXPECT_EQ(verdictOf(checkAccidents(accidents, vehicle), "accident: gust"), Verdict::REPORTED);
   vehicle.must_survive = {"gust"};
   EXPECT_THROW(checkAccidents(accidents, vehicle), common::SettingError);
 }
@@ -291,7 +291,7 @@ TEST(Gate, WhatFCarriesOnSoftArmsGatesBesideTheTables) {
   EXPECT_EQ(carried(4.0, 3.9), Verdict::FAIL);
   EXPECT_EQ(carried(NAN, NAN), Verdict::FAIL);
   vehicle.must_survive = {};
-  EXPECT_EQ(carried(4.0, 3.9), Verdict::TOLD);
+  EXPECT_EQ(carried(4.0, 3.9), Verdict::REPORTED);
 }
 
 TEST(Curve, AnInternalSnapIsRefusedByName) {

@@ -146,13 +146,13 @@ TEST(ForceTable, CutOffFilesAreSaidToBeCutOff) {
            {whole - 1, "is cut off: it is shorter than its own header says"},
            {whole / 2, "is cut off: it is shorter than its own header says"},
            {200, "is cut off"},
-           {40, "is no HDF5 file, or cut off within its header"},
+           {40, "is not an HDF5 file, or is truncated within its header"},
            {0, "is empty"}}) {
     std::filesystem::resize_file(path, size);
     EXPECT_NE(refusal().find(part), std::string::npos) << size << ": " << refusal();
   }
   common::writeFileAtomically(path, "no HDF5, but text");
-  EXPECT_NE(refusal().find("is no HDF5 file"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("is not an HDF5 file"), std::string::npos) << refusal();
   std::filesystem::remove(path);
 }
 

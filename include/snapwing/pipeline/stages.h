@@ -23,9 +23,9 @@ struct StageProgress {
   What what = What::BEGUN;
   int number = 0, count = 0;  ///< stage n of m, from 1
   std::string stage;
-  std::string words;                                        ///< why it begins, what is worked on, or what came out
-  double share = std::numeric_limits<double>::quiet_NaN();  ///< of this stage that is done; NaN = not known
-  validation::Verdict verdict = validation::Verdict::TOLD;  ///< of KEPT and DONE
+  std::string words;                                            ///< why it begins, what is worked on, or what came out
+  double share = std::numeric_limits<double>::quiet_NaN();      ///< of this stage that is done; NaN = not known
+  validation::Verdict verdict = validation::Verdict::REPORTED;  ///< of KEPT and DONE
 };
 
 /// What a stage leaves.

@@ -13,9 +13,9 @@ enum class Verdict {
   PASS,
   FAIL,
   UNDECIDED,  ///< the error bar reaches across a limit; does not pass
-  TOLD,       ///< a number for the reader; does not gate
+  REPORTED,   ///< a number for the reader; does not gate
 };
-std::string verdictName(Verdict verdict);  ///< "pass", "FAIL", "UNDECIDED", "told"
+std::string verdictName(Verdict verdict);  ///< "pass", "FAIL", "UNDECIDED", "reported"
 
 struct Check {
   std::string name;  ///< e.g. "F -> Q, planar, nominal: end mode"
@@ -38,7 +38,7 @@ Check within(const std::string& name, double value, double low, double high, con
 Check within(const std::string& name, const Estimate& value, double low, double high, const std::string& unit,
              const std::string& words = {});
 Check yesOrNo(const std::string& name, bool holds, const std::string& words);
-Check told(const std::string& name, double value, const std::string& unit, const std::string& words = {});
+Check reported(const std::string& name, double value, const std::string& unit, const std::string& words = {});
 
 /// True if no check failed or is undecided, and there is at least one that passed.
 bool passed(const std::vector<Check>& checks);

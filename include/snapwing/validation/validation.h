@@ -79,8 +79,8 @@ Validation validate(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& 
 std::vector<Check> checkTrials(const Validation& found, const vehicle::Vehicle& vehicle);
 constexpr char HELD_UPRIGHT[] = "ring held upright in F";  ///< of planning::accidentMargins
 bool mustSurvive(const vehicle::Vehicle& vehicle, const std::string& accident);
-/// Accidents: those of the file's must_survive gate, the others are told. @throws common::SettingError for one that is
-/// not known, or that states nothing that a vehicle meets, so that it would hold whatever its limit
+/// Accidents: those of the file's must_survive gate, the others are reported. @throws common::SettingError for one that
+/// is not known, or that states nothing that a vehicle meets, so that it would hold whatever its limit
 std::vector<Check> checkAccidents(const std::vector<planning::AccidentMargin>& accidents,
                                   const vehicle::Vehicle& vehicle);
 /// What F carries on soft arms with the ring held upright, beside the accident of this name; it gates as that one does.

@@ -198,7 +198,7 @@ std::optional<ArmOutcome> loadArmOutcome(const ArmDesignSettings& settings, cons
   const std::string path = folder + "/report.json";
   if (!std::filesystem::exists(path)) return std::nullopt;
   const json report = json::parse(common::readFile(path), nullptr, false);
-  if (report.is_discarded() || !report.is_object()) throw common::FileError(path, "is no report of an arm design");
+  if (report.is_discarded() || !report.is_object()) throw common::FileError(path, "is not a report of an arm design");
   if (report.value("inputs_sha256", "") != settings.hash()) return std::nullopt;
   ArmOutcome outcome;
   outcome.folder = folder;

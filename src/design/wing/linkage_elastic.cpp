@@ -169,7 +169,7 @@ ElasticState ElasticLinkage::solve(double theta, const ElasticState* guess) cons
   Newton(m, theta).run(&state);
   if (!state.q.allFinite()) {
     state.status = ElasticStatus::NOT_CONVERGED;
-    state.message = "Newton left the finite numbers at theta = " + std::to_string(theta) + " rad";
+    state.message = "Newton's method produced non-finite numbers at theta = " + std::to_string(theta) + " rad";
     return state;
   }
   m.describe(&state);

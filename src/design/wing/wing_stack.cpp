@@ -200,10 +200,10 @@ std::string reasonFor(Search& search, int most, int pieces) {
   }
   text << "no order in any number of layers; ";
   if (!alone.empty()) {
-    text << "it would do without one of these: " << alone;
+    text << "an order exists without any one of these rules: " << alone;
     return text.str();
   }
-  text << "no single rule is to blame:";
+  text << "no single rule prevents an order:";
   for (int rule = 0; rule < search.ruleCount(); ++rule) text << (rule > 0 ? "; " : " ") << search.describe(rule);
   return text.str();
 }

@@ -91,7 +91,7 @@ class Client {
       if (interrupted && stopping == 0) server_.cancelGoal();
       if (interrupted) stopping += 0.2;
       if (gone < PATIENCE && stopping < PATIENCE) continue;
-      std::fprintf(stderr, "pipeline_node is gone; the same command goes on with what is done\n");
+      std::fprintf(stderr, "pipeline_node is gone; the same command resumes the run\n");
       return 1;
     }
     const auto result = server_.getResult();
@@ -127,7 +127,7 @@ int validate(ValidateVehicleGoal goal) {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "pipeline_client", ros::init_options::AnonymousName | ros::init_options::NoSigintHandler);
   std::signal(SIGINT, onInterrupt);
-  CLI::App app{"Asks pipeline_node for a design or a validation, and shows how far it is"};
+  CLI::App app{"Asks pipeline_node for a design or a validation, and shows the progress"};
   app.require_subcommand(1);
   DesignPipelineGoal wanted;
   CLI::App* command = app.add_subcommand("design", "from the design of an arm to a vehicle file with plans");

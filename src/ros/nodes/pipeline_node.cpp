@@ -66,7 +66,7 @@ std::uint8_t codeOf(pipeline::StageProgress::What what) {
   return what == What::KEPT ? DesignPipelineFeedback::KEPT : DesignPipelineFeedback::DONE;
 }
 
-constexpr char STOPPED[] = "stopped; the same goal goes on with what is done";
+constexpr char STOPPED[] = "stopped; the same goal resumes";
 
 }  // namespace
 

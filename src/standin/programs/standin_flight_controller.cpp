@@ -260,7 +260,7 @@ void addOptions(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_option("--api-minor", o.settings.api.minor, "minor number of the interface shown")->capture_default_str();
   app.add_option("--variant", o.variant, "behaves as this firmware")->check(CLI::IsMember({"BTFL", "INAV"}));
-  app.add_option("--wrong", o.wrong, "set wrongly as one of these says; may be given more than once")
+  app.add_option("--wrong", o.wrong, "make this setting wrong; may be given more than once")
       ->check(CLI::IsMember(standin::wrongConfigurations()));
 }
 
