@@ -16,7 +16,7 @@
 /// An abort or a shutdown latches FAULT from every state. With pilot_override AUX1 stays low in every state, ARMED
 /// needs a controller that the pilot has armed with the override switch held, and letting go of either latches FAULT;
 /// a reset is taken while the pilot is armed too, but only as long as he does not hold the override switch: then no
-/// frame of ours reaches a motor, and the next arming needs his switch and the operator's anew.
+/// frame of ours reaches a motor, and the next arming needs his switch and the operator's again.
 ///
 /// A command names the newest status that its sender had heard. Its age runs from the moment at which that status left,
 /// by this bridge's clock; a status that was not sent, or not at that time, is a refusal.
@@ -46,17 +46,17 @@ class BridgeCore {
   void onController(const ControllerState& controller) { status_.controller = controller; }
   /// A guardian is alive and holds the line; without one nothing is armed. True until said otherwise.
   void onGuardian(bool guards) { guarded_ = guards; }
-  /// The clocks of this computer moved against each other by so much [s]. Ends what is armed.
+  /// The clocks of this computer moved against each other by this much [s]. Disarms.
   void onClockJump(double jump);
 
   /// When tick() is due next: the frame grid, brought forward to a pulse's deadline so that a pulse has its exact
   /// length.
   double nextFrameTime() const { return next_frame_; }
   /// A message has changed what must be sent: the next frame may come as early as earliestFrameTime(), if the line is
-  /// free. The grid starts anew from it.
+  /// free. The grid restarts from it.
   bool urgent() const { return urgent_; }
   double earliestFrameTime() const;
-  /// [s] from when on a silent operator ends what he began; infinite while nothing is armed.
+  /// [s] time from which an operator's silence disarms; infinite while nothing is armed.
   double silentFrom() const;
   /// A change of the pulse's throttle is so near that nothing may go out now which the controller would serve first.
   bool changesSoon(double now) const;
@@ -71,7 +71,7 @@ class BridgeCore {
   /// What the process was granted; goes into the status.
   void noteGrants(bool realtime, bool memory_locked);
 
-  /// Latches FAULT(SHUTDOWN). The caller goes on ticking until shutdownDone().
+  /// Latches FAULT(SHUTDOWN). The caller keeps ticking until shutdownDone().
   void requestShutdown(double now);
   /// True once safe frames went out for the exit time, or could not be written for as long.
   bool shutdownDone(double now) const;

@@ -49,7 +49,7 @@ class BridgeLcm {
   std::mutex greetings_mutex_;
   Greetings greetings_;
   std::int64_t telemetry_number_ = 0;
-  std::int64_t imu_number_ = 0;  ///< of the last reading that was told
+  std::int64_t imu_number_ = 0;  ///< of the last reading that was reported
   int event_ = -1, arrival_ = -1;
   std::thread listener_, publisher_;
 };

@@ -15,7 +15,7 @@ std::int64_t randomId();
 /// All clocks at one moment [s].
 struct ClockReading {
   double monotonic = 0;
-  double boottime = 0;  ///< goes on while the computer is suspended
+  double boottime = 0;  ///< advances while the computer is suspended
   double wall = 0;
 };
 ClockReading readClocks();

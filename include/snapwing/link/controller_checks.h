@@ -92,7 +92,7 @@ struct Finding {
 };
 /// Every check that applies, in order; after a wrong variant only that one.
 std::vector<Finding> findings(const ControllerAnswers& answers, const ControllerRules& rules);
-/// Settings that no message tells, each with the firmware's command that shows it.
+/// Settings that no message reports, each with the firmware's command that shows it.
 std::vector<std::string> unreadableSettings(const ControllerRules& rules);
 
 /// A sentence for a failed check: what is wrong, what it would do, and the firmware's command that mends it.

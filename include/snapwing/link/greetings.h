@@ -1,5 +1,6 @@
 #pragma once
-/// Who asks the radio bridge "are you there?", and what the next status answers. Pure: no clock, no allocation.
+/// Clients that ask the radio bridge "are you there?", and the answer of the next status. Pure: no clock, no
+/// allocation.
 ///
 /// A hello carries no session, since its sender may not know one yet, so that a recorded one has a good seal for ever.
 /// It must have no effect all the same: the challenges of one sender rise, and a sender that is heard keeps its place.

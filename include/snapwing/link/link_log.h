@@ -86,7 +86,7 @@ class EventWatch {
   };
   using Sink = void (*)(void* owner, const LogEvent& event);
 
-  /// Call after each frame. An equal refusal is told once a second, a missing line once.
+  /// Call after each frame. An equal refusal is reported once a second, a missing line once.
   void look(const BridgeStatus& status, const Line& line, double now, void* owner, Sink sink);
 
  private:

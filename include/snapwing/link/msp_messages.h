@@ -40,7 +40,7 @@ struct BoxIds {
 };
 struct RxMap {
   std::array<std::uint8_t, 8> map{};
-  int count = 0;  ///< 8, or 4 where only the flight channels are told
+  int count = 0;  ///< 8, or 4 where only the flight channels are reported
 };
 /// AETR1234: roll, pitch, yaw, throttle are read from wire places 0, 1, 3, 2.
 constexpr std::array<std::uint8_t, 8> DEFAULT_RX_MAP = {0, 1, 3, 2, 4, 5, 6, 7};

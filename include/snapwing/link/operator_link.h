@@ -3,7 +3,7 @@
 /// flight_link_node, the bench console and tests. Not thread-safe: one thread at a time.
 ///
 /// A status counts only if it answers a challenge of ours that is no older than PROOF_AGE: a recording of a bridge that
-/// has died is never taken for a living one. Two living bridges for one vehicle are told by conflict().
+/// has died is never taken for a living one. conflict() reports two living bridges for one vehicle.
 
 #include <array>
 #include <functional>

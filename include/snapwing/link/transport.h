@@ -28,7 +28,7 @@ class Transport : public common::Lender {
  public:
   virtual ~Transport() = default;
 
-  /// Opens, or goes on opening, if not connected. Cheap; call once per frame.
+  /// Opens, or continues to open, if not connected. Cheap; call once per frame.
   /// @param now  [s] monotonic; attempts are spaced by a quarter of a second
   virtual void maintain(double now) = 0;
   bool connected() const { return connected_; }

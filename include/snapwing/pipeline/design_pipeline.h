@@ -7,7 +7,7 @@
 ///     vehicle.yaml   the vehicle with the new arm, that names all of the others
 ///     plan_f_to_q.json, plan_q_to_f.json
 ///     validation/    report.html, validation.json
-///     stages/        what each stage was made from: a run that was ended goes on (stages.h)
+///     stages/        inputs of each stage: an interrupted run resumes (stages.h)
 
 #include <functional>
 #include <string>
@@ -31,7 +31,7 @@ struct DesignPipelineSettings {
 struct DesignPipelineHooks {
   std::function<void(const StageProgress&)> progress;
   std::function<void(const std::string&)> warning;
-  std::function<bool()> cancelled;  ///< polled; true ends the run, which goes on with the same settings
+  std::function<bool()> cancelled;  ///< polled; true ends the run, which resumes with the same settings
 };
 
 struct DesignPipelineResult {

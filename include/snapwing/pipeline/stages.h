@@ -1,7 +1,7 @@
 #pragma once
-/// Stages of a long run in one folder. Each leaves its files there, and a note of what it was made from and of its
-/// files' hashes. A run that was ended, by whatever, goes on: a stage whose inputs and files are still those of its
-/// note is kept, any other is done anew and says why.
+/// Stages of a long run in one folder. Each leaves its files there, and a note of its inputs and of its files'
+/// hashes. An interrupted run resumes: a stage whose inputs and files are still those of its note is kept, any other is
+/// repeated and says why.
 
 #include <functional>
 #include <limits>
@@ -15,7 +15,7 @@
 
 namespace snapwing::pipeline {
 
-/// What a stage is made from: a name for the reader, and a hash or a value.
+/// An input of a stage: a name for the reader, and a hash or a value.
 using Inputs = std::vector<std::pair<std::string, std::string>>;
 
 struct StageProgress {
@@ -23,17 +23,17 @@ struct StageProgress {
   What what = What::BEGUN;
   int number = 0, count = 0;  ///< stage n of m, from 1
   std::string stage;
-  std::string words;                                            ///< why it begins, what is worked on, or what came out
+  std::string words;                                            ///< why it begins, what it works on, or its result
   double share = std::numeric_limits<double>::quiet_NaN();      ///< of this stage that is done; NaN = not known
   validation::Verdict verdict = validation::Verdict::REPORTED;  ///< of KEPT and DONE
 };
 
-/// What a stage leaves.
+/// Results of a stage.
 struct StageResult {
   std::string stage;
   validation::Verdict verdict = validation::Verdict::PASS;
   bool ends = false;               ///< nothing can follow
-  std::string words;               ///< what came out, one line
+  std::string words;               ///< the result, one line
   std::vector<std::string> files;  ///< relative to the folder
   bool kept = false;
 };
@@ -41,11 +41,11 @@ struct StageResult {
 class Stages {
  public:
   /// @param folder  new, empty, or begun by an earlier run. @param count  of the stages
-  /// @throws common::FileError for a folder of something else, or one in which another run works now
+  /// @throws common::FileError for a folder with foreign files, or one in which another run works now
   Stages(std::string folder, int count, std::function<void(const StageProgress&)> told);
 
-  /// Keeps the stage or does it. @param work  told whether an earlier run has begun it with the same inputs; returns
-  /// what it leaves. What it throws leaves no note
+  /// Keeps the stage or does it. @param work  gets whether an earlier run has begun it with the same inputs; returns
+  /// its results. After an exception there is no note
   StageResult run(const std::string& stage, const Inputs& inputs, const std::function<StageResult(bool goes_on)>& work);
   /// Of the stage that runs now. @param share  NaN = not known
   void working(const std::string& words, double share);

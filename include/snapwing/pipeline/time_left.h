@@ -5,9 +5,9 @@ namespace snapwing::pipeline {
 
 class TimeLeft {
  public:
-  /// To be told each time that work goes on; a share below the last one begins anew.
-  /// @param share  done, 0 .. 1; NaN = not known. @param now  [s] of a clock that only goes on
-  /// @return [s]; NaN as long as nothing is known. What was done at once, as results that were kept, tells nothing
+  /// Call at each progress of the work; a share below the last one restarts the estimate.
+  /// @param share  done, 0 .. 1; NaN = not known. @param now  [s] of a monotonic clock
+  /// @return [s]; NaN as long as nothing is known. What was done at once, as kept results, does not count
   double after(double share, double now);
 
  private:

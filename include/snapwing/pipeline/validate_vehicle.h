@@ -26,7 +26,7 @@ struct VehicleValidation {
   std::string report_file;  ///< report.html
 };
 
-/// A table that is not the vehicle's own is a failed check. Trials are kept one by one, so that the same job goes on
+/// A table that is not the vehicle's own is a failed check. Trials are kept one by one, so that the same job resumes
 /// with one that was ended; a cancelled one leaves no report.
 /// @throws common::Error for bad input
 VehicleValidation validateVehicle(const ValidateJob& job);

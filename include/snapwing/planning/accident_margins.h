@@ -29,7 +29,7 @@ struct AccidentMargin {
 std::vector<AccidentMargin> accidentMargins(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table,
                                             const std::optional<vehicle::WingTable>& wing = {});
 
-/// A switch that is asked for.
+/// A requested switch.
 struct AskedSwitch {
   vehicle::Mode start = vehicle::Mode::UNKNOWN;
   vehicle::Pulse pulse;

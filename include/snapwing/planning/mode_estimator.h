@@ -1,7 +1,7 @@
 #pragma once
-/// Estimates travel and mode from what a vehicle really has: motor outputs read back from the flight controller and the
-/// accelerometer at the centre. Particle filter: each particle is a vehicle drawn from the uncertainty box with its own
-/// u, u', speed and thrust, moved by the lumped model and weighted by the specific force that it predicts,
+/// Estimates travel and mode from the signals of a real vehicle: motor outputs read back from the flight controller and
+/// the accelerometer at the centre. Particle filter: each particle is a vehicle drawn from the uncertainty box with its
+/// own u, u', speed and thrust, moved by the lumped model and weighted by the specific force that it predicts,
 ///   a = (F(u) + c u' - D_c) / m_c   (with wings also what they do to the centre)
 /// by Student's t with the scale sigma^2 = accelerometer_noise^2 + (model_error a)^2 + (travel_error F'(u) / m_c)^2,
 /// the last only while u moves.
@@ -26,31 +26,31 @@ namespace snapwing::planning {
 struct EstimatorSettings {
   int particles = 600;
   std::uint64_t seed = 7;            ///< equal seeds and inputs give equal estimates
-  double accelerometer_noise = 0.5;  ///< [m/s2] standard deviation, sensor and what the model lacks
+  double accelerometer_noise = 0.5;  ///< [m/s2] standard deviation, of sensor and model error
   double accelerometer_bias = 0.2;   ///< [m/s2] standard deviation of a constant offset, one per particle
-  /// [s] errors of model and sensor live about this long: readings closer together count for less
+  /// [s] correlation time of model and sensor errors: readings closer together count for less
   double correlation_time = 0.02;
-  /// [1 per square root of s] random walk of u' in proportion to |u'|: errors of the model show when things move. Noise
-  /// that never sleeps would favour the softer mode whenever the sensor is quiet.
+  /// [1 per square root of s] random walk of u' in proportion to |u'|: errors of the model appear in motion. Noise at
+  /// rest would favour the softer mode whenever the sensor is quiet.
   double process_noise = 0.3;
   /// [1] share of the expected specific force by which model and sensor are wrong, added to the noise as its square
   double model_error = 0.03;
   double output_delay = 0.02;  ///< [s] motor outputs act up to this long after their stamp, different per particle
-  /// [m] standard deviation of what model and tables get wrong in u: adds to the noise where the arms are stiff, and to
-  /// the deviation that is told
+  /// [m] standard deviation of the error of model and tables in u: adds to the noise where the arms are stiff, and to
+  /// the reported deviation
   double travel_error = 3e-4;
-  double outlier_share = 1e-3;  ///< [1] readings that say nothing (a wide floor under the weights)
-  /// Somebody may touch the ring side (src/planning/outside_force.h): Laplace distributed force with this standard
-  /// deviation [N], 0 = nobody ever does
+  double outlier_share = 1e-3;  ///< [1] outliers (a constant lower bound of the weights)
+  /// External force on the ring side (src/planning/outside_force.h): Laplace distributed with this standard
+  /// deviation [N], 0 = none
   double outside_force = 10.0;
   double outside_rate = 1.0;   ///< [1/s] how often a touch begins
   double outside_time = 0.3;   ///< [s] how long it lasts on average, and how long its force stays about the same
   double step = 2e-3;          ///< [s] of the particles' motion
   double hurried_step = 8e-3;  ///< [s] likewise, for readings that are late: coarse, but in time
-  /// [s] a stretch without readings that is longer ends all that was known: the particles begin anew, half in each
-  /// mode. It bounds the work of one reading, too.
+  /// [s] a longer gap without readings discards the estimate: the particles restart, half in each mode. It also bounds
+  /// the work of one reading.
   double longest_gap = 1.0;
-  double least_effective = 0.02;  ///< [1] share of the particles; fewer effective ones know nothing
+  double least_effective = 0.02;  ///< [1] share of the particles; with fewer effective ones the mode is UNKNOWN
   double sure = 0.95;             ///< [1] probability from which a mode counts as known
   vehicle::Mount mount = vehicle::Mount::BOOM;
   double gravity = 0;         ///< [m/s2] against the thrust axis
@@ -70,14 +70,14 @@ struct ModeEstimate {
   /// [m] mean of u among the particles in one mode; NaN if none is there
   double travel_fixed_wing = std::numeric_limits<double>::quiet_NaN();
   double travel_quadrotor = std::numeric_limits<double>::quiet_NaN();
-  double effective_particles = 0;  ///< at the last reading, before they were drawn anew
+  double effective_particles = 0;  ///< at the last reading, before resampling
   double lost = 0;                 ///< [1] probability that the vehicle is not where the particles are
 
-  /// The mode that is the likelier one, by however little; F if both are equal.
+  /// The likelier mode, however small the difference; F if both are equal.
   vehicle::Mode likelier() const {
     return probability_quadrotor > probability_fixed_wing ? vehicle::Mode::QUADROTOR : vehicle::Mode::FIXED_WING;
   }
-  /// [m] u in one mode, as far as the particles know it, else the mean
+  /// [m] u in one mode if any particle is in it, else the mean
   double travelIn(vehicle::Mode in) const;
 };
 
@@ -90,7 +90,7 @@ class ModeEstimator {
   ~ModeEstimator();
   ModeEstimator(ModeEstimator&&) noexcept;
 
-  /// Starts afresh at rest. @param initial  F or Q: somebody saw it; or UNKNOWN (half of the particles in each)
+  /// Restarts at rest. @param initial  F or Q: somebody saw it; or UNKNOWN (half of the particles in each)
   void reset(double time, vehicle::Mode initial);
 
   /// The vehicle is seen to stand still now (hand holds the ring): the particles' speeds along the axis become 0.
@@ -99,13 +99,13 @@ class ModeEstimator {
   /// Mean motor output [0, 1] valid from `time` [s] on. Out-of-order times are ignored.
   void motorOutput(double time, double output);
   /// Specific force of the centre along the thrust axis [m/s2]; moves the particles to `time` and weighs them.
-  /// NaN and times before the last reading are ignored. After more than `longest_gap` it begins anew.
+  /// NaN and times before the last reading are ignored. After more than `longest_gap` it restarts.
   /// @param hurried  the reading is late: the particles move in steps of `hurried_step`
   void accelerometer(double time, double specific_force, bool hurried = false);
 
   ModeEstimate estimate() const;
   const EstimatorSettings& settings() const;
-  /// Steps that the particles have taken, each all of them together: nearly all of the work.
+  /// Steps of all particles together: nearly all of the work.
   long steps() const;
 
  private:

@@ -35,7 +35,7 @@ struct PlannerSettings {
   double required_margin = 0.05;  ///< [1] worst margin that a plan must have, in units of the barrier
   double enough_margin = 0.20;    ///< [1] worst margin beyond which a weaker and shorter pulse is preferred
   double required_share = 1.0;    ///< [1] share of the realisations that must end in the target mode
-  /// [1/s] margin that one second of full throttle must bring: prefers weak and short pulses when margins tie
+  /// [1/s] margin that one second of full throttle must bring: prefers weak and short pulses at equal margins
   double impulse_price = 0.05;
   /// Uncertain pulse length in frames of the radio: start and end fall anywhere within a frame
   double frame_jitter = 1.0;
@@ -119,7 +119,7 @@ class PulsePlanner {
   TransitionPlan plan(vehicle::Mode start, const vehicle::Trial& trial) const;
 
   /// Outcome over a grid of pulses, over the search's realisations.
-  /// @param progress  told how many pulses of how many are done, from any thread, one call at a time
+  /// @param progress  gets the pulses done and their number, from any thread, one call at a time
   OutcomeMap map(vehicle::Mode start, const vehicle::Trial& trial, int throttles, int durations,
                  const std::function<void(int done, int all)>& progress = {}) const;
 

@@ -1,6 +1,7 @@
 #pragma once
-/// What one mode switch does after its plan: ready, send, watch, settle, and send again what nobody took. Pure: told
-/// what is known and the time of a steady clock, it says what to do next; whoever carries the messages asks it often.
+/// What one mode switch does after its plan: ready, send, watch, settle, and send again if the pulse was not taken.
+/// Pure: from what is known and the time of a steady clock it decides the next action; the carrier of messages polls
+/// it.
 ///
 /// | state    | event           | next     | outcome     | when |
 /// |----------|-----------------|----------|-------------|------------------------------------------------------------|
@@ -24,7 +25,7 @@
 /// | SETTLING | STAYED_AWAY     | DONE     | WRONG_MODE  | settle_timeout is over, readings show the starting mode |
 /// | SETTLING | NOTHING_SEEN    | DONE     | NOT_SETTLED | settle_timeout is over, the mode is not known |
 ///
-/// Where several events hold, the first one in this table counts. What no row names changes nothing.
+/// Where several events hold, the first one in this table counts. Events without a row have no effect.
 
 #include <cstdint>
 #include <limits>
@@ -56,7 +57,7 @@ enum class SwitchEvent {
 
 enum class SwitchOutcome { NONE, SUCCEEDED, NOT_READY, LINK_LOST, WRONG_MODE, NOT_SETTLED, PREEMPTED };
 
-/// What the caller is to do now.
+/// What the caller has to do now.
 enum class SwitchAction { WAIT, SEND, FINISH };
 
 struct SwitchRow {
@@ -71,7 +72,7 @@ struct SwitchSettings {
   double accept_timeout = 0.5;  ///< [s] 0.3 .. 5, the bridge must have taken the pulse within this time
   double settle_timeout = 4.0;  ///< [s] 0.1 .. 30, after the pulse's end
   double settle_hold = 0.3;     ///< [s] 0 .. 5, the estimate must stay in the target mode for this long
-  int attempts = 2;             ///< [1] 1 .. 5, how often a pulse is sent that nobody takes
+  int attempts = 2;             ///< [1] 1 .. 5, how often a pulse is sent that is not taken
   double command_life = 0.15;   ///< [s] no command is taken when it is older than this
   void validate() const;        ///< @throws common::Error naming the member
 };

@@ -1,7 +1,7 @@
 #pragma once
 /// Quintic Hermite spline of the vehicle's elastic energy through the table's energy, force and stiffness.
 /// E is C2, so the force F = dE/du is C1 and exact derivative of the energy that the integrator conserves.
-/// Outside the table the stiffness goes on growing linearly (cubic energy correction), smoothly and without an end.
+/// Outside the table the stiffness grows linearly (cubic energy correction), smoothly and without an end.
 
 #include <memory>
 #include <vector>

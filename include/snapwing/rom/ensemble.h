@@ -3,7 +3,7 @@
 /// search of a plan and for certificates. Same equations as LumpedModel, which stays the truth: classical Runge-Kutta
 /// of fourth order in (travel, its rate, common momentum), the thrust's lag in closed form, curves on a uniform grid,
 /// margins watched in masks. Eight vehicles share a vector and the number of steps; each has its own step length.
-/// A vehicle that leaves the numbers is asked again of LumpedModel. Same bits on every
+/// A vehicle whose numbers become non-finite is evaluated by LumpedModel. Same bits on every
 /// processor and for any number of threads.
 
 #include <memory>

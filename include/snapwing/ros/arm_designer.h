@@ -16,7 +16,7 @@ class ArmDesigner {
   /// @param relative  where designed/arm_geometry and designed/force_curve are advertised; @param frame  of both
   ArmDesigner(ros::NodeHandle& relative, std::string frame);
 
-  /// Takes the stored design of the same inputs, or goes on with what a preempted goal left, or begins anew.
+  /// Takes the stored design of the same inputs, or resumes a preempted goal, or starts one.
   /// @throws common::Error for bad input
   OptimizeDesignResult run(const DesignJob& job);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The two clocks that common/time_watch.h is told, read at the same moment.
+/// The two clocks for common/time_watch.h, read at the same moment.
 
 #include <ros/time.h>
 
@@ -9,7 +9,7 @@ namespace snapwing::nodes {
 
 struct Clocks {
   double now = 0;     ///< [s] ROS time, by which messages are stamped; 0 = there is none yet
-  double steady = 0;  ///< [s] goes on whatever becomes of ROS time
+  double steady = 0;  ///< [s] monotonic, independent of ROS time
 
   static Clocks read() {
     const std::chrono::duration<double> steady = std::chrono::steady_clock::now().time_since_epoch();

@@ -1,8 +1,8 @@
 #pragma once
 /// Markers that show the vehicle: ring, rotors with thrust arrows, housing, arms as the statics computed them at the
-/// given travel, wings, and a label with the mode. It draws what it is told; it estimates nothing.
+/// given travel, wings, and a label with the mode. It draws its inputs; it estimates nothing.
 ///
-/// Frames: the ring frame has its origin in the ring's centre, z along the thrust. The housing frame hangs below and
+/// Frames: the ring frame has its origin in the ring's centre, z along the thrust. The housing frame is below and
 /// moves by -u along z. An arm's coordinates (x outward, y up) lie in the vertical plane through the ring's axis:
 /// radius = housing_radius + x, z = -axle_below_ring + (y - pin_y).
 

@@ -22,8 +22,8 @@ class WingDesigner {
   /// are advertised; @param frame  of both. @throws common::Error if the vehicle's wing cannot be read
   WingDesigner(ros::NodeHandle& relative, const vehicle::Vehicle& vehicle, std::string frame);
 
-  /// Takes the stored design of the same inputs, or designs anew on the bars that the settings name, checked by elastic
-  /// ones.
+  /// Takes the stored design of the same inputs, or designs again on the bars that the settings name, checked by
+  /// elastic ones.
   /// @throws common::Error for bad input
   OptimizeDesignResult run(const DesignJob& job);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The static curve of an arm's body, traced anew as a solid in the plane, beside the table that the model predicts
+/// The static curve of an arm's body, traced again as a solid in the plane, beside the table that the model predicts
 /// with.
 
 #include <functional>

@@ -1,5 +1,5 @@
 #pragma once
-/// Results of long work, each in a file of its own as soon as it is there, so that a stopped run goes on.
+/// Results of long work, each in a file of its own as soon as it is there, so that a stopped run resumes.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -66,7 +66,7 @@ struct ValidationHooks {
   /// Told before work begins. @param done, all  trials
   std::function<void(int done, int all, const std::string& what)> progress;
   std::function<bool()> cancelled;
-  std::string folder;  ///< where results are kept for a run that goes on; empty: nowhere
+  std::string folder;  ///< where results are kept for a resumed run; empty: nowhere
 };
 
 /// @param plans  to be tested; empty: one each way is planned first, on the vehicle's default mount

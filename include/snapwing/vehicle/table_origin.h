@@ -19,12 +19,12 @@ namespace snapwing::vehicle {
 void noteOrigin(const Vehicle& vehicle, const std::string& density, std::map<std::string, std::string>* provenance);
 
 /// @param path  of the table, for messages
-/// @throws FileError naming what differs, both values, and the command that computes the table anew; a table without
+/// @throws FileError naming what differs, both values, and the command that computes the table again; a table without
 /// provenance is refused too, unless it says origin = "measured"
 void requireOrigin(const ForceTable& table, const Vehicle& vehicle, const std::string& path);
 
 /// A wing's table holds the arm's rotation against travel and where the axle is: both must be the vehicle's own.
-/// @throws FileError naming what differs, both values, and the command that computes the table anew
+/// @throws FileError naming what differs, both values, and the command that computes the table again
 void requireOrigin(const WingTable& wing, const ForceTable& arm, const Vehicle& vehicle);
 
 /// The vehicle's force table after every check: it is there, it belongs to the vehicle's arm, it is physical, and it

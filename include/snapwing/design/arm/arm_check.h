@@ -1,5 +1,5 @@
 #pragma once
-/// Independent check of an arm design: thresholded, smoothed, meshed anew, traced 0 -> end -> 0 with stability. The
+/// Independent check of an arm design: thresholded, smoothed, meshed again, traced 0 -> end -> 0 with stability. The
 /// verdict comes from here, not from the optimiser.
 
 #include <functional>
@@ -70,7 +70,7 @@ struct ArmCheck {
 
 /// @param shape     of the thresholded design
 /// @param grey      the optimiser's own field, traced for comparison; empty: not
-/// @param progress  told each case that begins, and "" at every point of a path; true cancels. Cases run side by side
+/// @param progress  gets each case that begins, and "" at every point of a path; true cancels. Cases run side by side
 ///                  on the settings' threads, but only one at a time asks
 ArmCheck checkArm(const ArmDesignSettings& settings, const ArmShape& shape, const mpm::DensityField& grey,
                   const std::function<bool(const std::string&)>& progress);

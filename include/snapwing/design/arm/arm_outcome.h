@@ -32,7 +32,7 @@ struct ArmOutcome {
 
 struct ArmJob {
   std::string folder;                                  ///< of the results; made if missing
-  bool resume = false;                                 ///< go on from the folder's checkpoint
+  bool resume = false;                                 ///< resume from the folder's checkpoint
   std::function<bool(const ArmProgress&)> progress;    ///< each iteration; true cancels
   std::function<bool(const std::string&)> checking;    ///< the case that begins, else ""; true cancels
   std::function<void(const std::string&)> warning;     ///< what went wrong without ending the run

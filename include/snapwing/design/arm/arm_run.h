@@ -25,7 +25,7 @@ struct ArmRunOptions {
   int checkpoint_every = 10;  ///< iterations
   /// True cancels.
   std::function<bool(const ArmProgress&)> progress;
-  /// Told once what cannot be kept, as a checkpoint: the run goes on.
+  /// Called once for output that cannot be kept, as a checkpoint: the run continues.
   std::function<void(const std::string&)> warning;
 };
 

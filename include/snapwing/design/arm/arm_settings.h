@@ -1,5 +1,5 @@
 #pragma once
-/// What the design of a bistable arm, or of another mechanism with one driven travel, is told; read strictly from
+/// Settings of the design of a bistable arm, or of another mechanism with one driven travel; read strictly from
 /// config/designs/arm_*.yaml. SI; forces are per ARM except those of `targets`.
 
 #include <array>
@@ -89,7 +89,7 @@ struct ArmDesignSettings {
 
   /// Iterations of all stages.
   int iterations() const;
-  /// False: a scene without a monitor of a rotation, so that nothing is asked of it.
+  /// False: a scene without a monitor of a rotation, so that it is not bounded.
   bool turns() const;
   /// Hash of everything that the result depends on.
   std::string hash() const;

@@ -24,7 +24,7 @@ class ArmShape {
   double area() const;  ///< [m2]
 
   /// Cells of a domain that the shape covers: rho = coverage^(1/power), so that stiffness rho^power follows coverage;
-  /// cells outside are absent. Only what hangs together with the cell at (pin_x, pin_y) is kept.
+  /// cells outside are absent. Only the part connected to the cell at (pin_x, pin_y) is kept.
   /// @param domain  gives the grid and which cells may exist; @param offset  [m] moves the outline outward
   mpm::DensityField cover(const mpm::DensityField& domain, double offset, double power, double pin_x,
                           double pin_y) const;

@@ -27,7 +27,7 @@ namespace snapwing::design {
 class ArmTopology : public OptimizationProblem {
  public:
   /// @param stage  number of the stage whose discretisation is used, and from whose first iteration the continuation of
-  ///               volume and sharpness goes on
+  ///               volume and sharpness continues
   /// @param newton_tolerance  relative, of each equilibrium
   explicit ArmTopology(const ArmDesignSettings& settings, int stage = 0, double newton_tolerance = 1e-7);
   ~ArmTopology() override;
@@ -49,7 +49,7 @@ class ArmTopology : public OptimizationProblem {
   /// Projected density of a threshold's variant (0 is the nominal one).
   Eigen::VectorXd density(const Eigen::VectorXd& x, int variant = 0) const;
   mpm::DensityField field(const Eigen::VectorXd& x, int variant = 0) const;
-  const std::vector<double>& travels() const { return travels_; }  ///< at which equilibria are asked for [m]
+  const std::vector<double>& travels() const { return travels_; }  ///< of the equilibria [m]
   /// Forces of the nominal variant at travels() at the last evaluation [N], volume share, mass of one arm [kg].
   const std::vector<double>& lastForces() const { return last_forces_; }
   double lastVolume() const { return last_volume_; }
@@ -58,7 +58,7 @@ class ArmTopology : public OptimizationProblem {
   double sharpness() const { return sharpness_; }       ///< of the projection [1]
   double volumeBound() const { return volume_bound_; }  ///< share of the domain [1]
   int freedomCount() const;                             ///< free coordinates of one equilibrium
-  /// How often a variant was traced anew from rest, and equilibria solved by Newton iterations, so far.
+  /// How often a variant was traced again from rest, and equilibria solved by Newton iterations, so far.
   int retraces() const;
   long newtonIterations() const;
   /// Seconds so far, summed over the threads: of the states' Newton iterations, of derivatives at equilibria (with the
@@ -68,7 +68,7 @@ class ArmTopology : public OptimizationProblem {
   };
   Seconds seconds() const;
 
-  /// Equilibria that the next evaluation starts from; with them a run goes on bit for bit.
+  /// Equilibria that the next evaluation starts from; with them a run resumes bit for bit.
   std::map<std::string, Eigen::VectorXd> warmStates() const;
   void restoreWarmStates(const std::map<std::string, Eigen::VectorXd>& arrays);
 

@@ -36,7 +36,7 @@ class OptimizationProblem {
 enum class OptimizerStatus {
   NOT_RUN,
   CONVERGED,          ///< largest change of x below the tolerance and feasible
-  ITERATION_LIMIT,    ///< ended where it was told to, feasible: at the last iterate, else at the latest such
+  ITERATION_LIMIT,    ///< ended at the given limit, feasible: at the last iterate, else at the latest such
   INFEASIBLE,         ///< ended with a constraint violated
   EVALUATION_FAILED,  ///< no shorter step could be evaluated
   CANCELLED,
@@ -54,7 +54,7 @@ struct OptimizerReport {
   Eigen::VectorXd constraints;
 };
 
-/// Where an iteration stands; enough to go on bit for bit.
+/// State of an iteration, sufficient to resume bit for bit.
 struct OptimizerState {
   int iteration = 0;
   Eigen::VectorXd x, x_old, x_older, low, high;  ///< with the moving asymptotes
@@ -71,7 +71,7 @@ struct OptimizerSettings {
   bool conservative = false;      ///< GCMMA: inner iterations until the approximation is above the truth
   double asymptote_start = 0.5;   ///< distance of the first asymptotes, share of the range
   double asymptote_shrink = 0.7;  ///< where x oscillates
-  double asymptote_grow = 1.2;    ///< where it goes on
+  double asymptote_grow = 1.2;    ///< where x keeps its direction
   /// After each evaluation; true cancels.
   std::function<bool(const OptimizerReport&, const OptimizerState&)> progress;
   /// @throws common::Error naming the field

@@ -60,7 +60,7 @@ struct PlacedPiece {
 struct PlacedPin {
   std::string name;
   double low = 0, high = 0;  ///< ends over the ring's side [m]
-  bool grounded = false;     ///< goes on into the ring
+  bool grounded = false;     ///< continues into the ring
 };
 
 struct StackPlan {
