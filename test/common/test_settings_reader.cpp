@@ -92,7 +92,7 @@ TEST(SettingsReader, OneDocumentWithoutMergeKeysAndLoops) {
     for (int n = 0; n < 10; ++n) wide += (n > 0 ? ", " : "") + before;
     wide += "]\n";
   }
-  expectParts(messageOf([&] { reader(wide); }), {"above a million"});
+  expectParts(messageOf([&] { reader(wide); }), {"longer than a million entries"});
   for (int k = 0; k < 200; ++k) deep += "[";
   for (int k = 0; k < 200; ++k) deep += "]";
   expectParts(messageOf([&] { reader(deep); }), {"100 levels"});
