@@ -330,6 +330,21 @@ int EquilibriumSolver::lineariseNear(Equilibrium& x) {
   return 0;
 }
 
+bool EquilibriumSolver::recall(const Eigen::VectorXd& slope, int negative_pivots, Equilibrium& x) {
+  if (constraints_ != nullptr) return false;
+  evaluate(x, Order::TANGENT, x.at);
+  if (!x.at.finite || !balanced(x)) return false;
+  Eigen::VectorXd control_part;
+  const Eigen::VectorXd along = driven();
+  problem_->controlTangent(x.at, along, x.load, control_part);
+  x.control_curvature = along.dot(control_part);
+  x.slope = slope;
+  x.multiplier_slope.resize(0);
+  x.negative_pivots = negative_pivots;
+  x.stiffness = x.control_curvature + x.load.dot(slope);
+  return true;
+}
+
 Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const {
   Equilibrium x;
   x.p(0) = p;

@@ -56,19 +56,33 @@ void HessianLayout::each(const std::function<void(int, int, int)>& visit) const 
   }
 }
 
+namespace {
+
+/// y += H x for node blocks by columns, of which the lower ones are there.
+template <int D>
+void addBlocks(const std::vector<int>& start, const std::vector<int>& row, const double* values, const double* x,
+               double* y) {
+  using Node = Eigen::Matrix<double, D, 1>;
+  for (std::size_t column = 0; column + 1 < start.size(); ++column) {
+    const Node from = Eigen::Map<const Node>(x + D * column);
+    Node sum = Node::Zero();
+    for (int b = start[column]; b < start[column + 1]; ++b) {
+      const Eigen::Map<const Eigen::Matrix<double, D, D>> block(values + static_cast<std::size_t>(b) * D * D);
+      const std::size_t at = D * static_cast<std::size_t>(row[b]);
+      Eigen::Map<Node>(y + at) += block * from;
+      if (at != D * column) sum += block.transpose() * Eigen::Map<const Node>(x + at);
+    }
+    Eigen::Map<Node>(y + D * column) += sum;
+  }
+}
+
+}  // namespace
+
 Eigen::VectorXd HessianLayout::multiply(const std::vector<double>& values, const Eigen::VectorXd& x) const {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(full_);
   for (const Region& r : regions_) {
-    const int d = r.dimension;
-    for (int column = 0; column < r.nodes; ++column) {
-      for (int b = r.start[column]; b < r.start[column + 1]; ++b) {
-        const Eigen::Map<const Eigen::MatrixXd> block(values.data() + r.place + static_cast<std::size_t>(b) * d * d, d,
-                                                      d);
-        const int at = r.first + d * r.row[b], from = r.first + d * column;
-        y.segment(at, d) += block * x.segment(from, d);
-        if (at != from) y.segment(from, d) += block.transpose() * x.segment(at, d);
-      }
-    }
+    const auto add = r.dimension == 2 ? addBlocks<2> : addBlocks<3>;
+    add(r.start, r.row, values.data() + r.place, x.data() + r.first, y.data() + r.first);
   }
   for (const Couple& c : couples_) {
     int place = c.place;

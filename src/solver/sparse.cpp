@@ -6,12 +6,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <limits>
 #include <mutex>
 
 #include "snapwing/common/error.h"
 #include "snapwing/solver/serial_regions.h"
+#include "supernodal.h"
 
 // OpenBLAS's own entry point; its header clashes with others, so that only this one function is declared.
 extern "C" void openblas_set_num_threads(int count);
@@ -25,23 +25,29 @@ double secondsNow() {
 Eigen::VectorXd SparsePattern::multiply(const std::vector<double>& values, const Eigen::VectorXd& x) const {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(size);
   for (int column = 0; column < size; ++column) {
-    for (int k = start[column]; k < start[column + 1]; ++k) {
-      y(row[k]) += values[k] * x(column);
-      if (row[k] != column) y(column) += values[k] * x(row[k]);
+    const double own = x(column);
+    double sum = values[start[column]] * own;  // the diagonal comes first
+    for (int k = start[column] + 1; k < start[column + 1]; ++k) {
+      y(row[k]) += values[k] * own;
+      sum += values[k] * x(row[k]);
     }
+    y(column) += sum;
   }
   return y;
 }
 
 namespace {
 
-/// Fewer and larger supernodes than CHOLMOD's own choice: on fronts as small as a planar arm's each one costs more in
-/// calls and in (serial) parallel regions than a few zeros cost in arithmetic. Large factors do not change.
-void mergeSupernodes(cholmod_common& common) {
-  constexpr std::size_t COLUMNS[] = {16, 48, 96};
-  constexpr double ZEROS[] = {0.8, 0.2, 0.1};  // share of them that a supernode with so many columns may hold
-  std::copy(std::begin(COLUMNS), std::end(COLUMNS), common.nrelax);
-  std::copy(std::begin(ZEROS), std::end(ZEROS), common.zrelax);
+/// Up to so many operations the own factor is the faster one, CHOLMOD's with BLAS beyond [1].
+constexpr double OWN_UP_TO = 1e9;
+
+/// Shares of zeros that a supernode of so many columns may hold. The own factor, whose panels cost no calls, wants few;
+/// CHOLMOD more than its own choice.
+void mergeSupernodes(cholmod_common& common, bool own) {
+  constexpr std::size_t COLUMNS[2][3] = {{16, 48, 96}, {4, 16, 48}};
+  constexpr double ZEROS[2][3] = {{0.8, 0.2, 0.1}, {0.3, 0.1, 0.05}};
+  std::copy_n(COLUMNS[own ? 1 : 0], 3, common.nrelax);
+  std::copy_n(ZEROS[own ? 1 : 0], 3, common.zrelax);
 }
 
 }  // namespace
@@ -55,6 +61,7 @@ struct Cholesky::Impl {
   std::vector<int> order;  ///< caller's row of each permuted row
   std::vector<double> permuted;
   cholmod_factor* factor = nullptr;
+  std::unique_ptr<SupernodalFactor> own;  ///< holds the numbers in place of `factor` where fronts are small
   cholmod_factor* indefinite = nullptr;
   cholmod_factor* active = nullptr;
   // Work space that CHOLMOD keeps between solves.
@@ -83,6 +90,11 @@ struct Cholesky::Impl {
   }
   void setValues(const std::vector<double>& values) {
     for (std::size_t k = 0; k < values.size(); ++k) permuted[place[k]] = values[k];
+  }
+  bool factorize() {
+    if (own) return own->factorize(permuted);
+    cholmod_factorize(&matrix, factor, &common);
+    return common.status == CHOLMOD_OK && factor->minor == factor->n;
   }
   void permute();
 };
@@ -139,12 +151,14 @@ Cholesky::Cholesky(const SparsePattern& pattern) : impl_(std::make_unique<Impl>(
       const std::lock_guard<std::mutex> alone(ordering);
       s.factor = s.analyse(CHOLMOD_SIMPLICIAL);
     }
+    const bool own = s.common.fl < OWN_UP_TO;
     s.permute();
     cholmod_free_factor(&s.factor, &s.common);
     s.common.method[0].ordering = CHOLMOD_NATURAL;
     s.common.postorder = 0;
-    mergeSupernodes(s.common);
+    mergeSupernodes(s.common, own);
     s.factor = s.analyse(CHOLMOD_SUPERNODAL);
+    if (own) s.own = std::make_unique<SupernodalFactor>(*s.factor, s.pattern);
   }
   seconds_analysis_ = secondsNow() - begin;
 }
@@ -164,8 +178,7 @@ bool Cholesky::factorize(const std::vector<double>& values) {
   const SerialRegions one_thread;
   ++factorizations_;
   impl_->setValues(values);
-  cholmod_factorize(&impl_->matrix, impl_->factor, &impl_->common);
-  const bool good = impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
+  const bool good = impl_->factorize();
   impl_->active = good ? impl_->factor : nullptr;
   seconds_factor_ += secondsNow() - begin;
   return good;
@@ -221,6 +234,12 @@ Eigen::MatrixXd Cholesky::solvePermuted(const Eigen::MatrixXd& right) const {
   if (impl_->pattern.size == 0) return right;
   if (impl_->active == nullptr) throw common::Error("solve without a factor");
   const double begin = secondsNow();
+  if (impl_->own && definite()) {
+    Eigen::MatrixXd x = right;
+    for (Eigen::Index column = 0; column < x.cols(); ++column) impl_->own->solve(x.col(column).data());
+    seconds_solve_ += secondsNow() - begin;
+    return x;
+  }
   const SerialRegions one_thread;
   cholmod_dense b;
   std::memset(&b, 0, sizeof(b));

@@ -51,8 +51,9 @@ class AutomaticFollower {
     return goOn();
   }
 
-  PathResult fromPoint(const Eigen::VectorXd& start, const PathPoint& from) {
+  PathResult fromPoints(const Eigen::VectorXd& start, const std::vector<PathPoint>& before) {
     resumed_ = true;
+    const PathPoint& from = before.back();
     solver::EquilibriumSolver& solver = follower_.solver();
     solver::Equilibrium x = solver.start(from.solution, from.control);
     x.multipliers = from.multipliers;
@@ -64,7 +65,9 @@ class AutomaticFollower {
     }
     first_z_ = start;
     first_p_ = targets_.front();
-    whole_ = follower_.followFrom(x, beyond(from.control, targets_));
+    // An arc begins a path of its own.
+    const auto arc = std::find_if(before.rbegin(), before.rend(), [](const PathPoint& point) { return point.by_arc; });
+    whole_ = follower_.followFrom(x, beyond(from.control, targets_), std::vector<PathPoint>(arc.base(), before.end()));
     return goOn();
   }
 
@@ -163,9 +166,10 @@ PathResult followAutomatically(const solver::Problem& problem, const Eigen::Vect
   return AutomaticFollower(problem, settings, targets).fromStart(start);
 }
 
-PathResult continueAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start, const PathPoint& from,
-                                 const std::vector<double>& targets, const AutomaticSettings& settings) {
-  return AutomaticFollower(problem, settings, targets).fromPoint(start, from);
+PathResult continueAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start,
+                                 const std::vector<PathPoint>& before, const std::vector<double>& targets,
+                                 const AutomaticSettings& settings) {
+  return AutomaticFollower(problem, settings, targets).fromPoints(start, before);
 }
 
 std::vector<int> turningPoints(const std::vector<PathPoint>& points) {

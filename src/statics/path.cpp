@@ -70,6 +70,48 @@ void PathFollower::passSingular(const solver::Equilibrium& next, solver::Equilib
   result_.singular.push_back(std::move(found));
 }
 
+/// A point at the control of `next`, whose z is the guess, with its derivatives.
+solver::NewtonResult PathFollower::arrive(solver::Equilibrium& next) {
+  solver::NewtonResult result;
+  result.status = solver::SolveStatus::CONVERGED;
+  if (takeKnown(next)) return result;
+  // An unstable branch is no minimum: there only Newton as it is stays on it.
+  result = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
+  result_.iterations += result.iterations;
+  result_.factorizations += result.factorizations;
+  result_.projections += result.projections;
+  if (!result.converged()) return result;
+  // Where the guess was good enough, the last factor is that of another point.
+  result_.factorizations += result.iterations == 0 ? solver_.linearise(next) : solver_.lineariseNear(next);
+  return result;
+}
+
+/// The guess, made of this path's own points, must come to the known one by a hundredth of the step: another branch is
+/// not so near, but for a bifurcation's own neighbourhood, where both are one to that accuracy.
+bool PathFollower::takeKnown(solver::Equilibrium& next) {
+  constexpr double NEAR = 1e-2;
+  if (!settings_.known || solver_.constraintCount() > 0 || place_.negative_pivots != 0) return false;
+  const PathPoint* known = settings_.known(next.p(0));
+  if (known == nullptr || known->by_arc || known->negative_pivots != 0) return false;
+  const Eigen::VectorXd& z = known->solution;
+  if (z.size() != next.z.size() || known->slope.size() != z.size()) return false;
+  if (!((z - next.z).norm() <= NEAR * (z - place_.z).norm())) return false;
+  solver::Equilibrium there = solver_.start(z, next.p(0));
+  if (!solver_.recall(known->slope, known->negative_pivots, there)) return false;
+  next = std::move(there);
+  return true;
+}
+
+/// A point that was not corrected has an error within the tolerance, which a polynomial of high order makes a hundred
+/// times larger: one more step with the point's own factor takes it away.
+void PathFollower::addToPredictor(bool by_guess) {
+  Eigen::VectorXd z = place_.z;
+  if (by_guess && solver_.constraintCount() == 0 && place_.negative_pivots == 0) {
+    z -= solver_.cholesky().solve(place_.at.residual);
+  }
+  predictor_.add(place_.p(0), z, place_.slope);
+}
+
 bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
   const double begin = place_.p(0), whole = target - begin;
   double share = 1, done = 0;
@@ -78,19 +120,12 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
     const double p = done + share >= 1 ? target : begin + (done + share) * whole;
     solver::Equilibrium next = solver_.predict(place_, p);
     next.z = predictor_.guess(p);
-    // An unstable branch is no minimum: there only Newton as it is stays on it.
-    last = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
-    result_.iterations += last.iterations;
-    result_.factorizations += last.factorizations;
-    result_.projections += last.projections;
-    if (last.converged()) {
-      result_.factorizations += solver_.lineariseNear(next);
-      if (settings_.refuse_jumps && jumped(next)) {
-        last.status = solver::SolveStatus::JUMPED;
-        std::ostringstream text;
-        text << "the nearest equilibrium found at " << p << " lies across a jump that releases energy";
-        last.message = text.str();
-      }
+    last = arrive(next);
+    if (last.converged() && settings_.refuse_jumps && jumped(next)) {
+      last.status = solver::SolveStatus::JUMPED;
+      std::ostringstream text;
+      text << "the nearest equilibrium found at " << p << " lies across a jump that releases energy";
+      last.message = text.str();
     }
     if (last.converged()) {
       solver::Equilibrium onward;
@@ -99,7 +134,7 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
       const bool left = onward.z.size() > 0;
       place_ = left ? std::move(onward) : std::move(next);
       if (left) predictor_.clear();
-      predictor_.add(place_.p(0), place_.z, place_.slope);
+      addToPredictor(!left && last.iterations == 0 && last.factorizations == 0);
       done = whole != 0 ? (place_.p(0) - begin) / whole : 1;
       if (!left && p == target) done = 1;
       share *= left ? 1 : 2;
@@ -117,6 +152,8 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
 bool PathFollower::record(int point, int iterations, int factorizations, bool restart) {
   result_.points.push_back(describePoint(place_, iterations, factorizations, settings_.keep_solutions));
   result_.points.back().restart = restart;
+  trail_.push_back(describePoint(place_, 0, 0, true));
+  if (trail_.size() > Predictor::MOST_POINTS + 1) trail_.erase(trail_.begin());
   if (settings_.recorded) settings_.recorded(result_.points.back());
   if (!settings_.progress || !settings_.progress(point)) return true;
   result_.status = solver::SolveStatus::CANCELLED;
@@ -149,14 +186,20 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::N
   return false;
 }
 
+/// Forgets all that a run which is resumed here does not know.
+void PathFollower::restart() {
+  result_.factorizations += solver_.restart(place_);
+  predictor_.clear();
+  for (const PathPoint& point : trail_) {
+    if (point.control != place_.p(0)) predictor_.add(point.control, point.solution, point.slope);
+  }
+  predictor_.add(place_.p(0), place_.z, place_.slope);
+}
+
 void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last) {
   constexpr std::size_t RESTART_EVERY = 10;
   for (std::size_t k = first; k < targets.size(); ++k) {
-    if ((k - first) % RESTART_EVERY == 0) {
-      result_.factorizations += solver_.restart(place_);
-      predictor_.clear();
-      predictor_.add(place_.p(0), place_.z, place_.slope);
-    }
+    if ((k - first) % RESTART_EVERY == 0) restart();
     const int before = result_.iterations, factorizations = result_.factorizations;
     if (!stepTo(targets[k], last)) return stopped(targets[k], last);
     if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations,
@@ -178,6 +221,7 @@ PathResult PathFollower::finish(double begin) {
 PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<double>& targets) {
   if (targets.empty()) throw common::Error("a path needs at least one target");
   result_ = {};
+  trail_.clear();
   factorizations_before_ = solver_.cholesky().factorizations();
   const double now = solver::secondsNow();
   solver::NewtonResult last;
@@ -190,8 +234,11 @@ PathResult PathFollower::follow(const Eigen::VectorXd& start, const std::vector<
   return finish(now);
 }
 
-PathResult PathFollower::followFrom(const solver::Equilibrium& start, const std::vector<double>& targets) {
+PathResult PathFollower::followFrom(const solver::Equilibrium& start, const std::vector<double>& targets,
+                                    const std::vector<PathPoint>& trail) {
   result_ = {};
+  const std::size_t kept = std::min(trail.size(), Predictor::MOST_POINTS + 1);
+  trail_.assign(trail.end() - static_cast<std::ptrdiff_t>(kept), trail.end());
   factorizations_before_ = solver_.cholesky().factorizations();
   const double now = solver::secondsNow();
   solver::NewtonResult last;

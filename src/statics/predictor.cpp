@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace snapwing::statics {
-
-namespace {
-constexpr int MOST_POINTS = 3;
-}
 
 void Predictor::clear() {
   points_.clear();
@@ -35,34 +32,29 @@ void Predictor::add(double p, const Eigen::VectorXd& z, const Eigen::VectorXd& s
 int Predictor::usable(double p) const {
   const double step = p - points_.back().p;
   int count = 1;
-  for (std::size_t k = points_.size() - 1; k > 0 && count < MOST_POINTS; --k, ++count) {
+  for (std::size_t k = points_.size() - 1; k > 0; --k, ++count) {
     const double spacing = points_[k].p - points_[k - 1].p;
     if (!(spacing * step > 0) || std::abs(step) > 1.5 * std::abs(spacing)) break;
   }
   return count;
 }
 
-/// Newton's divided differences with each node taken twice.
+/// Hermite's polynomial in Lagrange's form: with L_i(p) = prod (p - p_j) / (p_i - p_j) it is the sum over the points of
+/// L_i^2 ((1 - 2 L_i'(p_i) (p - p_i)) z_i + (p - p_i) dz_i/dp).
 Eigen::VectorXd Predictor::extrapolate(int points, double p) const {
-  const int order = 2 * points;
   const std::size_t first = points_.size() - points;
-  std::vector<double> node(order);
-  std::vector<Eigen::VectorXd> difference(order);
-  for (int k = 0; k < order; ++k) {
-    node[k] = points_[first + k / 2].p;
-    difference[k] = points_[first + k / 2].z;
-  }
-  for (int level = 1; level < order; ++level) {
-    for (int k = order - 1; k >= level; --k) {
-      if (node[k] == node[k - level]) {
-        difference[k] = points_[first + k / 2].slope;
-      } else {
-        difference[k] = (difference[k] - difference[k - 1]) / (node[k] - node[k - level]);
-      }
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(points_.back().z.size());
+  for (std::size_t i = first; i < points_.size(); ++i) {
+    double basis = 1, basis_slope = 0;
+    for (std::size_t j = first; j < points_.size(); ++j) {
+      if (j == i) continue;
+      const double spacing = points_[i].p - points_[j].p;
+      basis *= (p - points_[j].p) / spacing;
+      basis_slope += 1 / spacing;
     }
+    const double ahead = p - points_[i].p, square = basis * basis;
+    value += square * (1 - 2 * basis_slope * ahead) * points_[i].z + square * ahead * points_[i].slope;
   }
-  Eigen::VectorXd value = difference[order - 1];
-  for (int k = order - 2; k >= 0; --k) value = difference[k] + (p - node[k]) * value;
   return value;
 }
 

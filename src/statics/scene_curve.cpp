@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include "snapwing/common/error.h"
@@ -159,6 +160,7 @@ class SceneTracer {
       if (out.below.status != solver::SolveStatus::CONVERGED) return;
     }
     if (!twoRuns()) return;
+    remember(out.path.points);
     const std::vector<double> back(targets_.rbegin(), targets_.rend());
     const bool second = resumed && !settings_.resume->back.points.empty();
     out.back = one(out.path.points.back().solution, back, second ? &settings_.resume->back : nullptr, out.back, out);
@@ -166,6 +168,12 @@ class SceneTracer {
 
  private:
   bool twoRuns() const { return scene_.back || settings_.reverse; }
+
+  void remember(const std::vector<PathPoint>& points) {
+    for (const PathPoint& point : points) {
+      if (!point.by_arc) known_[point.control] = &point;
+    }
+  }
 
   PathResult one(const Eigen::VectorXd& start, const std::vector<double>& targets, const PathResult* known,
                  PathResult& partial, const SceneCurve& sofar) {
@@ -177,7 +185,7 @@ class SceneTracer {
     if (partial.points.empty()) return followAutomatically(problem_, start, targets, automatic);
     const PathResult before = partial;  // `partial` goes on growing
     if (before.points.back().control == targets.back()) return before;
-    PathResult after = continueAutomatically(problem_, start, before.points.back(), targets, automatic);
+    PathResult after = continueAutomatically(problem_, start, before.points, targets, automatic);
     return joined(before, std::move(after));
   }
 
@@ -189,6 +197,10 @@ class SceneTracer {
     automatic.path.perturbation = settings_.perturbation != 0 ? settings_.perturbation : scene_.perturbation;
     const auto outer = settings_.newton.cancelled;
     automatic.path.newton.cancelled = [this, outer] { return cancelled_ || (outer && outer()); };
+    automatic.path.known = [this](double control) {
+      const auto found = known_.find(control);
+      return found == known_.end() ? nullptr : found->second;
+    };
     automatic.path.progress = [this](int) { return cancelled_; };
     automatic.path.recorded = [&](const PathPoint& point) {
       if (!point.by_arc) ++done_;
@@ -228,6 +240,7 @@ class SceneTracer {
   const TraceSettings& settings_;
   const std::function<bool(double, double)>& progress_;
   std::vector<double> targets_, below_;
+  std::map<double, const PathPoint*> known_;  ///< points of the way there, by control
   double total_ = 1, done_ = 0;
   bool cancelled_ = false;
 };

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -26,6 +27,8 @@ int handOver(char** argv) {
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::string program = (self.parent_path() / "snapwing_all").string();
+  // BLAS starts a thread for each core as it is loaded, which spins for a while and gets no work (solver::Cholesky).
+  setenv("OPENBLAS_NUM_THREADS", "1", 0);
   if (!error) execv(program.c_str(), argv);
   std::cerr << "snapwing: cannot run " << program << ", which holds all commands but predict: "
             << (error ? error.message() : std::string(std::strerror(errno))) << "\n";

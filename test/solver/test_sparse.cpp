@@ -35,6 +35,85 @@ void chain(int n, double shift, SparsePattern& pattern, std::vector<double>& val
   }
 }
 
+/// A matrix without zeros: n on the diagonal, and little beside it.
+void full(int n, SparsePattern& pattern, std::vector<double>& values) {
+  pattern = {};
+  values.clear();
+  pattern.size = n;
+  pattern.start = {0};
+  for (int c = 0; c < n; ++c) {
+    for (int r = c; r < n; ++r) {
+      pattern.row.push_back(r);
+      values.push_back(r == c ? n : std::sin(r + 0.7 * c));
+    }
+    pattern.start.push_back(pattern.entries());
+  }
+}
+
+/// Springs between the neighbours of a square grid, diagonals included, each of its own stiffness.
+void net(int side, SparsePattern& pattern, std::vector<double>& values, Eigen::MatrixXd& dense) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> stiffness(0.2, 2);
+  const int n = side * side;
+  dense = 1e-3 * Eigen::MatrixXd::Identity(n, n);
+  const auto couple = [&](int a, int b) {
+    const double k = stiffness(random);
+    dense(a, a) += k, dense(b, b) += k;
+    dense(a, b) -= k, dense(b, a) -= k;
+  };
+  for (int j = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i) {
+      const int here = j * side + i;
+      if (i + 1 < side) couple(here, here + 1);
+      if (j + 1 < side) couple(here, here + side);
+      if (i + 1 < side && j + 1 < side) couple(here, here + side + 1);
+      if (i > 0 && j + 1 < side) couple(here, here + side - 1);
+    }
+  }
+  pattern = {};
+  values.clear();
+  pattern.size = n;
+  pattern.start = {0};
+  for (int c = 0; c < n; ++c) {
+    for (int r = c; r < n; ++r) {
+      if (dense(r, c) == 0) continue;
+      pattern.row.push_back(r);
+      values.push_back(dense(r, c));
+    }
+    pattern.start.push_back(pattern.entries());
+  }
+}
+
+TEST(Cholesky, SolvesNetsOfEverySize) {
+  SparsePattern pattern;
+  std::vector<double> values;
+  Eigen::MatrixXd dense;
+  for (const int side : {2, 3, 5, 8, 13, 21, 34}) {
+    net(side, pattern, values, dense);
+    Cholesky cholesky(pattern);
+    ASSERT_TRUE(cholesky.factorize(values));
+    const Eigen::MatrixXd right = Eigen::MatrixXd::Random(side * side, 3);
+    const Eigen::MatrixXd wanted = dense.llt().solve(right);
+    EXPECT_LT((cholesky.solve(right) - wanted).norm(), 1e-11 * wanted.norm()) << side;
+    const Eigen::VectorXd first = cholesky.solve(Eigen::VectorXd(right.col(0)));
+    EXPECT_EQ(first, cholesky.solve(right).col(0)) << "a right side has the same bits alone";
+    EXPECT_LT((pattern.multiply(values, first) - right.col(0)).norm(), 1e-11 * right.col(0).norm()) << side;
+    values[pattern.start[side]] -= 20;
+    EXPECT_FALSE(cholesky.factorize(values)) << side;
+    EXPECT_EQ(cholesky.factorizeIndefinite(values), 1) << side;
+  }
+}
+
+TEST(Cholesky, SolvesWhatIsLeftToCholmod) {
+  SparsePattern pattern;
+  std::vector<double> values;
+  full(1500, pattern, values);
+  Cholesky cholesky(pattern);
+  ASSERT_TRUE(cholesky.factorize(values));
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(1500, -1, 2);
+  EXPECT_LT((pattern.multiply(values, cholesky.solve(right)) - right).norm(), 1e-12 * right.norm());
+}
+
 TEST(Cholesky, SolvesAndKnowsDefiniteness) {
   for (const int n : {1, 7, 500}) {
     SparsePattern pattern;
@@ -63,8 +142,7 @@ TEST(Cholesky, SolvesAndKnowsDefiniteness) {
 TEST(Cholesky, RegionsOfOneThreadAreCalls) {
   SparsePattern pattern;
   std::vector<double> values;
-  Eigen::MatrixXd dense;
-  chain(500, 0, pattern, values, dense);
+  full(1500, pattern, values);  // so large that CHOLMOD does it
   Cholesky cholesky(pattern);
   const long before = SerialRegions::called();
   ASSERT_TRUE(cholesky.factorize(values));

@@ -89,6 +89,14 @@ TEST(Predictor, MeetsAQuinticFromThreePoints) {
   EXPECT_LT((predictor.guess(1.2) - (curve(1.5) - 0.3 * slope(1.5))).norm(), 1e-14);
 }
 
+TEST(Predictor, MeetsTheNinthOrderFromFivePoints) {
+  Predictor predictor;
+  const auto at = [](double p) { return Eigen::VectorXd::Constant(1, std::pow(p, 9) - 3 * std::pow(p, 4)); };
+  const auto rise = [](double p) { return Eigen::VectorXd::Constant(1, 9 * std::pow(p, 8) - 12 * std::pow(p, 3)); };
+  for (const double p : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2}) predictor.add(p, at(p), rise(p));
+  EXPECT_NEAR(predictor.guess(1.4)(0), at(1.4)(0), 1e-11);
+}
+
 TEST(Predictor, FallsBackToTheTangentAfterAKink) {
   Predictor predictor;
   const auto at = [](double p) { return Eigen::VectorXd::Constant(1, p < 1 ? 0.0 : p - 1); };

@@ -65,6 +65,54 @@ TEST(Truss, SoftSpringSnapsToAStableState) {
   EXPECT_GT(largest_jump, 0.3);
 }
 
+/// There and back, the way back with what the way there found or without.
+struct ThereAndBack {
+  PathResult there, back;
+  ThereAndBack(const Truss& truss, double farthest, bool remember) {
+    std::vector<double> targets;
+    for (int k = 0; k <= 300; ++k) targets.push_back(farthest * k / 300);
+    there = PathFollower(truss, {}).follow(Eigen::VectorXd::Zero(1), targets);
+    PathSettings settings;
+    settings.known = [this, remember](double control) -> const PathPoint* {
+      const auto same = [control](const PathPoint& point) { return point.control == control; };
+      const auto found = std::find_if(there.points.begin(), there.points.end(), same);
+      return remember && found != there.points.end() ? &*found : nullptr;
+    };
+    std::reverse(targets.begin(), targets.end());
+    back = PathFollower(truss, settings).follow(there.points.back().solution, targets);
+  }
+};
+
+TEST(Truss, TheWayBackTakesWhatTheWayThereFound) {
+  const Truss truss(0.25, 100);
+  const ThereAndBack fresh(truss, 0.55, false), known(truss, 0.55, true);
+  ASSERT_EQ(known.back.status, solver::SolveStatus::CONVERGED) << known.back.message;
+  ASSERT_EQ(known.back.points.size(), fresh.back.points.size());
+  for (std::size_t k = 0; k < fresh.back.points.size(); ++k) {
+    EXPECT_NEAR(known.back.points[k].force, fresh.back.points[k].force, 1e-11) << k;
+    EXPECT_NEAR(known.back.points[k].stiffness, fresh.back.points[k].stiffness, 1e-7) << k;
+    EXPECT_TRUE(known.back.points[k].stable) << k;
+  }
+  EXPECT_LT(4 * known.back.factorizations, fresh.back.factorizations);
+  EXPECT_LT(4 * known.back.iterations, fresh.back.iterations);
+}
+
+/// A soft spring snaps at another control on its way back: what the way there found between the two is another branch.
+TEST(Truss, TheWayBackKeepsToItsOwnBranch) {
+  const Truss truss(0.25, 1e-2);
+  const ThereAndBack fresh(truss, 1.5, false), known(truss, 1.5, true);
+  ASSERT_EQ(known.back.status, solver::SolveStatus::CONVERGED) << known.back.message;
+  ASSERT_EQ(known.back.points.size(), fresh.back.points.size());
+  int apart = 0;
+  for (std::size_t k = 0; k < fresh.back.points.size(); ++k) {
+    EXPECT_NEAR(known.back.points[k].force, fresh.back.points[k].force, 1e-10) << k;
+    const PathPoint& there = known.there.points[known.there.points.size() - 1 - k];
+    ASSERT_EQ(there.control, known.back.points[k].control);
+    apart += std::abs(there.force - known.back.points[k].force) > 1e-4 ? 1 : 0;
+  }
+  EXPECT_GT(apart, 20) << "hysteresis";
+}
+
 TEST(ArcLength, PassesBothLimitPointsOfTheLoadedTruss) {
   const LoadedTruss truss(0.25);
   ArcSettings settings;

@@ -73,6 +73,9 @@ class EquilibriumSolver {
   /// The same for a point close to where the last factor belongs to: without a new factor if the Hessian has changed by
   /// less than a hundredth (Cholesky::distance), which leaves the inertia what it was.
   int lineariseNear(Equilibrium& x);
+  /// Evaluates a point that was linearised before: with its slope and inertia of then the rest needs no factor.
+  /// @return false if it is no equilibrium to the tolerance, or if there are constraints
+  bool recall(const Eigen::VectorXd& slope, int negative_pivots, Equilibrium& x);
   /// First guess at another control, from a linearised point.
   Equilibrium predict(const Equilibrium& from, double p) const;
   /// Motion of the smallest Hessian's eigenvalue by magnitude (unit length), at a linearised point, and that value

@@ -16,11 +16,13 @@ struct AutomaticSettings {
 /// @param targets  values of the control in the order of the path, at least two, monotone
 PathResult followAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start,
                                const std::vector<double>& targets, const AutomaticSettings& settings);
-/// Goes on with such a path from a point that it recorded at a wanted control: the points that follow have the same
-/// bits as without the interruption.
-/// @param start  where the whole path started
-PathResult continueAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start, const PathPoint& from,
-                                 const std::vector<double>& targets, const AutomaticSettings& settings);
+/// Goes on with such a path from the last of the points that it recorded, at a wanted control: those that follow have
+/// the same bits as without the interruption.
+/// @param start   where the whole path started
+/// @param before  at least one point
+PathResult continueAutomatically(const solver::Problem& problem, const Eigen::VectorXd& start,
+                                 const std::vector<PathPoint>& before, const std::vector<double>& targets,
+                                 const AutomaticSettings& settings);
 
 /// Numbers of points after which the control turned, and after which the number of negative pivots changed.
 std::vector<int> turningPoints(const std::vector<PathPoint>& points);

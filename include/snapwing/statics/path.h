@@ -23,6 +23,9 @@ struct PathSettings {
   std::function<void(const struct PathPoint& point)> recorded;
   /// A step that releases energy (snaps to another branch) counts as failed.
   bool refuse_jumps = false;
+  /// A stable equilibrium that another run found at exactly this control, or null. It is taken for the next point where
+  /// this path leads to it: a way back need not find again what the way there found.
+  std::function<const struct PathPoint*(double control)> known;
   bool locate_singular = true;  ///< where the number of negative pivots changes
   /// Leaves the primary branch at bifurcations, by this largest motion along the mode [m]; 0: stays on it.
   double perturbation = 0;
@@ -68,7 +71,9 @@ class PathFollower {
   /// @param targets   control values in the order of the path, at least one
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
   /// Goes on from a linearised point, which is not recorded again. It and every tenth wanted point are restart points.
-  PathResult followFrom(const solver::Equilibrium& start, const std::vector<double>& targets);
+  /// @param trail  recorded points before and at the start, in their order, for the first guesses
+  PathResult followFrom(const solver::Equilibrium& start, const std::vector<double>& targets,
+                        const std::vector<PathPoint>& trail = {});
 
   solver::EquilibriumSolver& solver() { return solver_; }
   /// Where the last path ended.
@@ -79,7 +84,11 @@ class PathFollower {
   void followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last);
   bool record(int point, int iterations, int factorizations, bool restart);
   void stopped(double target, const solver::NewtonResult& last);
+  void restart();
   bool stepTo(double target, solver::NewtonResult& last);
+  solver::NewtonResult arrive(solver::Equilibrium& next);
+  bool takeKnown(solver::Equilibrium& next);
+  void addToPredictor(bool by_guess);
   bool jumped(const solver::Equilibrium& next) const;
   void passSingular(const solver::Equilibrium& next, solver::Equilibrium& onward);
   PathResult finish(double begin);
@@ -87,6 +96,7 @@ class PathFollower {
   PathSettings settings_;
   solver::EquilibriumSolver solver_;
   Predictor predictor_;
+  std::vector<PathPoint> trail_;  ///< the last recorded points: all that a resumed run knows
   solver::Equilibrium place_;
   PathResult result_;
   int factorizations_before_ = 0;

@@ -1,7 +1,7 @@
 #pragma once
 /// First guess of a path's next point from the last ones and their tangents dz/dp.
 ///
-/// Candidates are the Hermite polynomials through the last 1, 2 and 3 points: tangent, cubic, quintic. The one is taken
+/// Candidates are the Hermite polynomials through the last 1 to 5 points: tangent, cubic, .. order 9. The one is taken
 /// that would have met the last point best, so that a path with a kink falls back to its tangent.
 
 #include <Eigen/Core>
@@ -11,6 +11,8 @@ namespace snapwing::statics {
 
 class Predictor {
  public:
+  static constexpr std::size_t MOST_POINTS = 5;
+
   /// Forgets the path: what follows is another branch.
   void clear();
   /// A converged point with its tangent.
@@ -26,7 +28,7 @@ class Predictor {
   Eigen::VectorXd extrapolate(int points, double p) const;
   int usable(double p) const;
 
-  std::vector<Point> points_;  ///< newest last, three at most
+  std::vector<Point> points_;  ///< newest last
   int best_ = 1;               ///< number of points that would have met the newest best
 };
 

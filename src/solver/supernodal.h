@@ -1,0 +1,48 @@
+#pragma once
+/// Numbers of a supernodal Cholesky factor, without calls of BLAS (internal to the layer).
+///
+/// The fronts of a planar arm are some tens of rows: there a library's calls, its copies into tiles and its own regions
+/// cost more than the arithmetic. Sums run over the columns in their order, without fused multiply-add, so that the
+/// bits are the same on every processor of a kind, however wide its vectors are.
+
+#include <vector>
+
+struct cholmod_factor_struct;
+
+namespace snapwing::solver {
+
+struct SparsePattern;
+
+class SupernodalFactor {
+ public:
+  /// @param analysis  CHOLMOD's supernodal analysis of `matrix`, in the natural order
+  SupernodalFactor(const cholmod_factor_struct& analysis, const SparsePattern& matrix);
+
+  /// L L^T of the matrix, values in the order of its pattern. @return false if a pivot is not positive
+  bool factorize(const std::vector<double>& values);
+  /// Right side in, solution out, of the matrix's size.
+  void solve(double* x) const;
+
+ private:
+  struct Panel {
+    int first = 0, columns = 0;  ///< of the matrix
+    int rows = 0;                ///< with those of the diagonal block
+    std::size_t at = 0;          ///< of its values, columns one after the other
+    std::size_t row_at = 0;      ///< of its row numbers
+    int below() const { return rows - columns; }
+  };
+  bool eliminate(const Panel& panel);
+  void update(const Panel& panel);
+
+  int size_ = 0;
+  std::vector<Panel> panels_;
+  std::vector<int> rows_;           ///< of all panels, ascending in each
+  std::vector<int> panel_of_;       ///< of each column
+  std::vector<std::size_t> place_;  ///< of each value of the matrix
+  std::vector<double> values_;      ///< of L, and room behind them that is read but not used
+  std::vector<double> inverse_;     ///< 1 / diagonal of L
+  std::vector<int> relative_;       ///< work space: a panel's rows in the panel that it is subtracted from
+  mutable std::vector<double> work_;
+};
+
+}  // namespace snapwing::solver
