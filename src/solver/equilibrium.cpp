@@ -321,7 +321,7 @@ int EquilibriumSolver::lineariseNear(Equilibrium& x) {
   const Eigen::VectorXd along = driven();
   problem_->controlTangent(x.at, along, x.load, control_part);
   const CgResult cg =
-      conjugateGradients(problem_->pattern(), x.at.hessian, cholesky, -x.load, 1e-10 * x.load.norm(), 12, x.slope);
+      conjugateGradients(problem_->pattern(), x.at.hessian, cholesky, -x.load, 1e-12 * x.load.norm(), 12, x.slope);
   if (!cg.converged) return linearise(x);
   x.multiplier_slope.resize(0);
   x.control_curvature = along.dot(control_part);

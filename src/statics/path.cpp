@@ -77,12 +77,13 @@ solver::NewtonResult PathFollower::arrive(solver::Equilibrium& next) {
   if (takeKnown(next)) return result;
   // An unstable branch is no minimum: there only Newton as it is stays on it.
   result = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
+  if (result.converged()) {
+    // Where the guess was good enough, the last factor is that of another point.
+    result.factorizations += result.iterations == 0 ? solver_.linearise(next) : solver_.lineariseNear(next);
+  }
   result_.iterations += result.iterations;
   result_.factorizations += result.factorizations;
   result_.projections += result.projections;
-  if (!result.converged()) return result;
-  // Where the guess was good enough, the last factor is that of another point.
-  result_.factorizations += result.iterations == 0 ? solver_.linearise(next) : solver_.lineariseNear(next);
   return result;
 }
 
@@ -102,14 +103,14 @@ bool PathFollower::takeKnown(solver::Equilibrium& next) {
   return true;
 }
 
-/// A point that was not corrected has an error within the tolerance, which a polynomial of high order makes a hundred
-/// times larger: one more step with the point's own factor takes it away.
-void PathFollower::addToPredictor(bool by_guess) {
-  Eigen::VectorXd z = place_.z;
-  if (by_guess && solver_.constraintCount() == 0 && place_.negative_pivots == 0) {
-    z -= solver_.cholesky().solve(place_.at.residual);
+/// A point has an error within the tolerance, which a polynomial of high order makes a hundred times larger: one more
+/// step with its factor, or with the one of its guess, takes it away, for what follows and for the record.
+void PathFollower::refine(bool has_factor) {
+  refined_ = place_.z;
+  if (has_factor && solver_.constraintCount() == 0 && place_.negative_pivots == 0) {
+    refined_ -= solver_.cholesky().solve(place_.at.residual);
   }
-  predictor_.add(place_.p(0), z, place_.slope);
+  predictor_.add(place_.p(0), refined_, place_.slope);
 }
 
 bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
@@ -134,7 +135,7 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
       const bool left = onward.z.size() > 0;
       place_ = left ? std::move(onward) : std::move(next);
       if (left) predictor_.clear();
-      addToPredictor(!left && last.iterations == 0 && last.factorizations == 0);
+      refine(!changed && last.iterations + last.factorizations > 0);  // else it was known
       done = whole != 0 ? (place_.p(0) - begin) / whole : 1;
       if (!left && p == target) done = 1;
       share *= left ? 1 : 2;
@@ -153,6 +154,8 @@ bool PathFollower::record(int point, int iterations, int factorizations, bool re
   result_.points.push_back(describePoint(place_, iterations, factorizations, settings_.keep_solutions));
   result_.points.back().restart = restart;
   trail_.push_back(describePoint(place_, 0, 0, true));
+  trail_.back().solution = refined_;
+  if (settings_.keep_solutions) result_.points.back().solution = refined_;
   if (trail_.size() > Predictor::MOST_POINTS + 1) trail_.erase(trail_.begin());
   if (settings_.recorded) settings_.recorded(result_.points.back());
   if (!settings_.progress || !settings_.progress(point)) return true;
@@ -173,6 +176,7 @@ void PathFollower::stopped(double target, const solver::NewtonResult& last) {
 bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::NewtonResult& last) {
   place_ = solver_.start(start, control);
   last = solver_.minimise(place_);
+  refined_ = place_.z;
   result_.iterations += last.iterations;
   result_.factorizations += last.factorizations + 1;
   if (!last.converged()) return false;
@@ -188,6 +192,10 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::N
 
 /// Forgets all that a run which is resumed here does not know.
 void PathFollower::restart() {
+  if (refined_ != place_.z) {
+    place_.z = refined_;
+    solver_.evaluate(place_);
+  }
   result_.factorizations += solver_.restart(place_);
   predictor_.clear();
   for (const PathPoint& point : trail_) {
@@ -244,6 +252,7 @@ PathResult PathFollower::followFrom(const solver::Equilibrium& start, const std:
   solver::NewtonResult last;
   result_.status = solver::SolveStatus::CONVERGED;
   place_ = start;
+  refined_ = place_.z;
   followTargets(targets, 0, last);
   return finish(now);
 }

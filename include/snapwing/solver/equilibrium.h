@@ -61,6 +61,8 @@ class EquilibriumSolver {
   NewtonResult correct(Equilibrium& x);
   /// The same with the control free, on a plane.
   NewtonResult correctOn(const BranchPlane& plane, Equilibrium& x);
+  /// Fills in `at` at the point as it is.
+  void evaluate(Equilibrium& x) { evaluate(x, Order::TANGENT, x.at); }
   /// Inertia and derivatives at a converged point. @return factorizations spent
   int linearise(Equilibrium& x);
   /// Linearises anew and forgets everything before: a run that starts here gives the same bits.

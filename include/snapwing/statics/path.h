@@ -88,7 +88,7 @@ class PathFollower {
   bool stepTo(double target, solver::NewtonResult& last);
   solver::NewtonResult arrive(solver::Equilibrium& next);
   bool takeKnown(solver::Equilibrium& next);
-  void addToPredictor(bool by_guess);
+  void refine(bool has_factor);
   bool jumped(const solver::Equilibrium& next) const;
   void passSingular(const solver::Equilibrium& next, solver::Equilibrium& onward);
   PathResult finish(double begin);
@@ -98,6 +98,7 @@ class PathFollower {
   Predictor predictor_;
   std::vector<PathPoint> trail_;  ///< the last recorded points: all that a resumed run knows
   solver::Equilibrium place_;
+  Eigen::VectorXd refined_;  ///< solution at the place, better than the tolerance asks for
   PathResult result_;
   int factorizations_before_ = 0;
 };
