@@ -14,6 +14,7 @@ namespace {
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define SNAPWING_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
+#define SNAPWING_BY_PROCESSOR
 #else
 #define SNAPWING_WIDE
 #endif
@@ -23,14 +24,40 @@ constexpr int HIGH = 8, WIDE = 4;  ///< rows and columns of a tile
 typedef double Rows __attribute__((vector_size(HIGH * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 /// tile(r, c) = sum over k of a(r, k) b(c, k), where the columns of both are `stride` apart.
-SNAPWING_WIDE void product(const double* __restrict a, const double* __restrict b, std::size_t stride, int count,
-                           double* __restrict tile) {
+inline __attribute__((always_inline)) void productByColumns(const double* __restrict a, const double* __restrict b,
+                                                            std::size_t stride, int count, double* __restrict tile) {
+  double first[HIGH] = {}, second[HIGH] = {}, third[HIGH] = {}, fourth[HIGH] = {};
+  for (int k = 0; k < count; ++k, a += stride, b += stride) {
+    const double b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+    for (int r = 0; r < HIGH; ++r) {
+      first[r] += a[r] * b0, second[r] += a[r] * b1;
+      third[r] += a[r] * b2, fourth[r] += a[r] * b3;
+    }
+  }
+  double* to = tile;
+  for (const double* column : {first, second, third, fourth}) to = std::copy_n(column, HIGH, to);
+}
+
+#ifdef SNAPWING_BY_PROCESSOR
+/// Whole vectors of eight, which the compiler would take apart through memory where the processor has none.
+__attribute__((target("avx512f"))) void product(const double* __restrict a, const double* __restrict b,
+                                                std::size_t stride, int count, double* __restrict tile) {
   Rows sum[WIDE] = {};
   for (int k = 0; k < count; ++k, a += stride, b += stride) {
     const Rows rows = *reinterpret_cast<const Rows*>(a);
     for (int c = 0; c < WIDE; ++c) sum[c] += rows * b[c];
   }
   std::memcpy(tile, sum, sizeof(sum));
+}
+__attribute__((target("avx2"))) void product(const double* __restrict a, const double* __restrict b, std::size_t stride,
+                                             int count, double* __restrict tile) {
+  productByColumns(a, b, stride, count, tile);
+}
+__attribute__((target("default")))
+#endif
+void product(const double* __restrict a, const double* __restrict b, std::size_t stride, int count,
+             double* __restrict tile) {
+  productByColumns(a, b, stride, count, tile);
 }
 
 /// to -= from f, entry by entry.
