@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 PROGRAMS, SOURCE = (pathlib.Path(part) for part in sys.argv[1:3])
@@ -62,6 +63,18 @@ class Commands(unittest.TestCase):
                 done = self.run_command(reset)
                 self.assertEqual(done.returncode, 0, done.stdout)
                 self.state("idle", reset)
+
+    def test_a_pulse_with_an_old_id_is_not_called_taken(self):
+        self.bench.arm(timeout=30)
+        self.run_command("scripts/link_command disarm")
+        self.assertEqual(self.run_command("scripts/link_command arm").returncode, 0)
+        done = self.run_command("scripts/link_command pulse 5 0.2 0.1")
+        self.assertEqual((done.returncode, done.stdout.strip().splitlines()[-1]), (0, "pulse: taken"))
+        time.sleep(0.5)
+        for number in (5, 4):
+            done = self.run_command(f"scripts/link_command pulse {number} 0.2 0.1")
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertIn("not above 5", done.stdout)
 
     def test_without_the_key_nothing_is_armed(self):
         self.bench.arm(timeout=30)

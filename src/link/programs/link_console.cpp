@@ -1,13 +1,20 @@
 /// link_console: the operator's end of the link on a terminal, without ROS; for bench work and tests. Commands on
-/// standard input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort, deadman on|off, quit, and
-/// hold ID THROTTLE SECONDS HOLD_THROTTLE HOLD_SECONDS for a pulse that goes over into a second level.
-/// Status as lines of JSON on standard output. It is the heartbeat: when it ends or stops, the bridge disarms.
+/// standard input, one a line: arm, disarm, reset, pulse ID THROTTLE SECONDS [PITCH], abort or stop, deadman on|off,
+/// quit, and hold ID THROTTLE SECONDS HOLD_THROTTLE HOLD_SECONDS for a pulse that goes over into a second level. Status
+/// as lines of JSON on standard output. It is the heartbeat: when it ends or stops, the bridge disarms.
 #include <poll.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <set>
 #include <sstream>
+#include <vector>
 
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
@@ -53,11 +60,48 @@ void printStatus(const link::OperatorLink& link, double now) {
       s.memory_locked ? 1 : 0, listed(s.period_histogram).c_str());
 }
 
+void say(const char* what) { std::printf("{\"said\": \"%s\"}\n", what); }
+
+/// Numbers behind `pulse` or `hold`. @return none unless each word is one: half of a number is another number
+std::vector<double> numbersIn(std::istringstream& words) {
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(word.c_str(), &end));
+    if (*end != '\0' || word.find_first_not_of("0123456789+-.eE") != std::string::npos) return {};
+  }
+  return numbers;
+}
+
+void sendPulse(std::istringstream& words, bool hold, link::OperatorLink& link) {
+  const std::vector<double> numbers = numbersIn(words);
+  const bool right = hold ? numbers.size() == 5 : numbers.size() == 3 || numbers.size() == 4;
+  if (!right || numbers[0] < 1 || numbers[0] > UINT32_MAX || numbers[0] != std::floor(numbers[0])) {
+    return say(hold ? "not sent; allowed: hold ID THROTTLE SECONDS HOLD_THROTTLE HOLD_SECONDS, numbers with a point"
+                    : "not sent; allowed: pulse ID THROTTLE SECONDS [PITCH], numbers with a point");
+  }
+  link::PulseShape shape;
+  shape.throttle = numbers[1], shape.duration = numbers[2];
+  if (hold) shape.hold_throttle = numbers[3], shape.hold_duration = numbers[4];
+  shape.mixed = !hold && numbers.size() == 4;
+  if (shape.mixed) shape.pitch = numbers[3];
+  const auto id = static_cast<std::int64_t>(numbers[0]);
+  const double now = link::monotonicSeconds();
+  if (link.sendPulse(id, shape)) std::printf("{\"sent\": %lld, \"t\": %.6f}\n", static_cast<long long>(id), now);
+}
+
 void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
+  static const std::set<std::string> VERBS = {"arm", "disarm", "reset", "deadman", "quit", "abort", "pulse", "hold"};
   std::istringstream words(line);
   std::string verb;
   words >> verb;
+  std::transform(verb.begin(), verb.end(), verb.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (verb == "stop") verb = "abort";  // who means that must not have to look a word up
   o.changed = true;
+  if (!verb.empty() && VERBS.count(verb) == 0) {
+    return say(
+        "not understood; allowed: abort (or stop), disarm, arm, reset, deadman on, deadman off, pulse, hold, quit");
+  }
   if (verb == "arm") o.arm = true;
   if (verb == "disarm") o.arm = false;
   if (verb == "reset") {
@@ -72,20 +116,9 @@ void obey(const std::string& line, link::OperatorLink& link, Operator& o) {
   if (verb == "quit") o.quit = true;
   if (verb == "abort") {  // repeated until the bridge shows the fault; switch and deadman stay off afterwards
     o.arm = o.deadman = false;
-    if (!link.abort(snapwing_lcm::abort_t::OPERATOR)) std::printf("{\"said\": \"no radio bridge was ever heard\"}\n");
+    if (!link.abort(snapwing_lcm::abort_t::OPERATOR)) say("no radio bridge was ever heard");
   }
-  if (verb == "pulse" || verb == "hold") {
-    long long id = 0;
-    link::PulseShape shape;
-    words >> id >> shape.throttle >> shape.duration;
-    if (verb == "hold") {
-      words >> shape.hold_throttle >> shape.hold_duration;
-    } else {
-      shape.mixed = static_cast<bool>(words >> shape.pitch);
-    }
-    const double now = link::monotonicSeconds();
-    if (link.sendPulse(id, shape)) std::printf("{\"sent\": %lld, \"t\": %.6f}\n", id, now);
-  }
+  if (verb == "pulse" || verb == "hold") sendPulse(words, verb == "hold", link);
 }
 
 /// Takes whole lines from standard input as they come; its end means quit.

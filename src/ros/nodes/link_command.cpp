@@ -90,6 +90,9 @@ class Commander {
     command.id = options_.pulse_id;
     command.pulse = toMessage(options_.pulse);
     command.seal = sealed(sealer, link::pulseContent(command.id, shapeOf(command)));
+    if (heard_->pulse_id >= command.id) {
+      return report(false, "its id is not above " + std::to_string(heard_->pulse_id) + ", that of the last pulse");
+    }
     publisher.publish(command);
     while (link::monotonicSeconds() < end && ros::ok() && heard_->pulse_id != command.id) {
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.02));

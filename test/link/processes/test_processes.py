@@ -256,6 +256,21 @@ class Processes(unittest.TestCase):
             second.sendall(bytes.fromhex("244d3c000101"))
             self.assertEqual(second.recv(3), b"$M>")
 
+    def test_what_the_console_does_not_understand_it_says_and_does_not_send(self):
+        bench = self.bench
+        bench.arm()
+        for line in ("pulse 9 .2.5 .3", "pulse 9 0,5 0.3", "pulse 9 1", "pulse 9 0.5 0.3s", "pulse 9 0.5 0.3 x", "pulse nine 0.5 0.3",
+                     "hold 9 0.5 0.3 0.2", "hold 9 0.5 0.3 0.2 0.3 0.4", "halt", "pulse9 1 1"):
+            with self.subTest(line=line):
+                said = len(bench.said)
+                bench.console.send(line)
+                wait_for(lambda: len(bench.said) > said, 1.0, "the console says so")
+                self.assertIn("allowed", bench.said[-1]["said"])
+        self.assertEqual(bench.sent, [])
+        self.assertEqual(bench.fresh().get("state"), "armed")
+        bench.console.send("  STOP")
+        wait_for(lambda: bench.fresh().get("fault", "").startswith("aborted"), 1.0, "stop is abort")
+
     def test_bad_input_is_refused_with_a_reason(self):
         for options, words in ((["--fc", "nonsense"], "tcp:HOST:PORT"), (["--max-pulse", "99"], "max_pulse"),
                                (["--protocol", "sbus"], "no-readback"), (["--allow", "everything"], "rx-map"),
