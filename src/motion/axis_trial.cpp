@@ -126,6 +126,7 @@ class Watch {
   void add(const StepAccount& account, AxisRun& run) const {
     const AxisSample& before = run.samples.back();
     AxisSample now = sample(run.state);
+    now.ring_position = onward(before.ring_position, now.ring_position, vehicle_.turnLength());
     const double whole = 1 / vehicle_.shareOfVehicle();
     now.work = before.work + whole * account.work;
     now.loss = before.loss + whole * account.loss;

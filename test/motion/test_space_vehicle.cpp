@@ -222,6 +222,20 @@ TEST(SpaceVehicle, ABoomTurnsAndItsCentreIsPulledOutwards) {
   EXPECT_NEAR(angularAbout(pushed, third, turned, pivot)(2), 10 * length * time, 1e-6 * 10 * length * time);
 }
 
+/// A boom goes round more than once in a trial; its angle alone would let the ring jump back by a turn.
+TEST(SpaceVehicle, TheRingsWayOnABoomGoesOnOverTurns) {
+  const double turn = vehicleOf(vehicle::Mount::BOOM).turnLength();
+  EXPECT_NEAR(turn, 2 * EIGEN_PI * Shipped().vehicle.boom.length.value, 1e-12);
+  EXPECT_EQ(vehicleOf(vehicle::Mount::FREE).turnLength(), 0);
+  double way = 0;
+  for (int k = 1; k <= 1000; ++k) {
+    const double real = 0.02 * k, seen = std::remainder(real, turn);
+    way = onward(way, seen, turn);
+    ASSERT_NEAR(way, real, 1e-9);
+  }
+  EXPECT_EQ(onward(1, -5, 0), -5);
+}
+
 TEST(SpaceVehicle, RefusesWhatItHasNot) {
   const Shipped s;
   AxisSettings planar = cells(), lagged = cells(), moved = cells();

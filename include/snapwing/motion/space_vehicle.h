@@ -46,6 +46,7 @@ class SpaceVehicle : public TrialVehicle {
   MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const override;
   Eigen::VectorXd controls(double from, double h, double thrust) const override;
   AxisSample sample(const MotionState& s) const override;
+  double turnLength() const override { return 2 * EIGEN_PI * boom_; }
   RigidMotions rigidMotions() const override;
   double commonSpeed(const MotionState& s, const Stepper& stepper) const override;
   std::string vtu(const MotionState& s) const override;

@@ -1,6 +1,7 @@
 #pragma once
 /// What a trial needs to know of a vehicle in time, however many degrees of freedom it has.
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -34,6 +35,11 @@ struct AxisSample {
   int iterations = 0;
 };
 
+/// The place nearest to `before` of those that differ by whole turns from `now`; a turn of 0 is none.
+inline double onward(double before, double now, double turn) {
+  return turn > 0 ? now + turn * std::round((before - now) / turn) : now;
+}
+
 class TrialVehicle {
  public:
   virtual ~TrialVehicle() = default;
@@ -57,6 +63,8 @@ class TrialVehicle {
   virtual Eigen::VectorXd controls(double from, double h, double thrust) const = 0;
   /// All of a row that the state tells; energies of the whole vehicle.
   virtual AxisSample sample(const MotionState& s) const = 0;
+  /// [m] by which a sample's ring_position may be off, any number of times: what a boom's end goes in a turn; 0: exact
+  virtual double turnLength() const { return 0; }
   /// What the scheme CORRECTED_MIDPOINT must leave alone.
   virtual RigidMotions rigidMotions() const = 0;
   /// Momentum along the axis / mass of all that moves [m/s].
