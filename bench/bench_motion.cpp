@@ -13,7 +13,6 @@
 
 #include "snapwing/common/bisection.h"
 #include "snapwing/common/error.h"
-#include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/validation/rung_trial.h"
 #include "snapwing/vehicle/table_origin.h"
@@ -92,7 +91,7 @@ vehicle::ForceTable curveOf(const vehicle::Vehicle& vehicle, const vehicle::Forc
   axis.dimension = trial.rung == motion::TrialRung::VOLUMETRIC ? 3 : 2;
   axis.cell_size = trial.cell_size;
   axis.kernel = trial.kernel;
-  axis.coarsening_power = elasticity::DensityInterpolation().power;
+  axis.coarsening = mpm::Coarsening::STIFFNESS;
   return motion::AxisVehicle(vehicle, vehicle::realise(vehicle, table), trial.trial, axis).staticTable();
 }
 

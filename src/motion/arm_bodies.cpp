@@ -11,7 +11,7 @@ scene::Scene armBodies(const vehicle::Vehicle& vehicle, double force_scale, cons
                        const elasticity::PronySeries& series, const std::vector<double>& shares) {
   const vehicle::ArmSettings& arm = vehicle.arm;
   mpm::DensityField field = mpm::loadDensityCsv(arm.density_file, arm.domain_length, arm.domain_height);
-  if (settings.cell_size > 0) field = field.resampled(settings.cell_size, settings.coarsening_power);
+  if (settings.cell_size > 0) field = field.resampled(settings.cell_size, mpm::coarseningPower(settings.coarsening));
   for (double& value : field.value) {
     if (value < settings.least_density) value = -1;
   }

@@ -5,7 +5,6 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/settings_reader.h"
-#include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/vehicle/vehicle_parameters.h"
 
@@ -111,8 +110,7 @@ void readSolid(SettingsReader& reader, TrialFile& out) {
     out.axis.kernel = scene::kernelFromName(solid.choice("kernel", {"linear", "linear_reduced", "quadratic"}));
   out.axis.cell_size = solid.numberOr("cell_size", 0, {0, 0.02}, "m");
   if (solid.has("coarsening")) {
-    const bool keeps_mass = solid.choice("coarsening", {"stiffness", "mass"}) == "mass";
-    out.axis.coarsening_power = keeps_mass ? 1 : elasticity::DensityInterpolation().power;
+    out.axis.coarsening = mpm::coarseningFromName(solid.choice("coarsening", {"stiffness", "mass"}));
   }
   out.axis.least_density = solid.numberOr("least_density", out.axis.least_density, {0, 0.99}, "1");
   if (solid.has("mass")) {

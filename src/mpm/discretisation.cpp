@@ -6,6 +6,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
+#include "snapwing/mpm/strain.h"
 
 namespace snapwing::mpm {
 
@@ -258,8 +259,7 @@ double Discretisation<D>::largestStrain(const Eigen::VectorXd& u) const {
     const elasticity::Matrix<D> f = gradientBy<D>(*this, slope, cell, u);
     Eigen::SelfAdjointEigenSolver<elasticity::Matrix<D>> squares;
     squares.computeDirect(f.transpose() * f, Eigen::EigenvaluesOnly);
-    const double stretch = std::sqrt(squares.eigenvalues()(D - 1));
-    largest = std::max(largest, std::sqrt(cells_[cell].density) * (stretch - 1));
+    largest = std::max(largest, weightedStrain(cells_[cell].density, std::sqrt(squares.eigenvalues()(D - 1))));
   }
   return largest;
 }

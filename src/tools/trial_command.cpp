@@ -238,7 +238,7 @@ ordered_json modelJson(const Work& work, const motion::TrialVehicle& vehicle) {
       {"free_coordinates", vehicle.freeCount()},
       {"kernel", scene::kernelName(f.axis.kernel)},
       {"cell_size", f.axis.cell_size},
-      {"coarsening", f.axis.coarsening_power > 1 ? "stiffness" : "mass"},
+      {"coarsening", mpm::coarseningName(f.axis.coarsening)},
       {"scheme", motion::schemeName(f.scheme)},
       {"largest_step", f.steps.largest_step},
       {"step_error", f.steps.error},

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "snapwing/common/error.h"
-#include "snapwing/elasticity/density_interpolation.h"
+#include "snapwing/mpm/coarsening.h"
 #include "snapwing/mpm/density_file.h"
 #include "snapwing/scene/arm_scene.h"
 #include "snapwing/statics/scene_curve.h"
@@ -34,7 +34,7 @@ ArmCurve traceArm(const vehicle::Vehicle& vehicle, const std::string& body, doub
                   const std::function<bool()>& cancelled) {
   const vehicle::ArmSettings& arm = vehicle.arm;
   const mpm::DensityField field = mpm::loadDensityCsv(body, arm.domain_length, arm.domain_height)
-                                      .resampled(cell_size, elasticity::DensityInterpolation().power);
+                                      .resampled(cell_size, mpm::coarseningPower(mpm::Coarsening::STIFFNESS));
   scene::ArmSceneSettings settings;
   settings.back = false;
   scene::Scene scene = scene::armScene(vehicle, field, settings);

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <tuple>
 
+#include "snapwing/common/bisection.h"
 #include "snapwing/common/error.h"
-#include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/rom/loaded_basins.h"
 
@@ -36,22 +36,10 @@ void thin(std::vector<double>& values) {
   values = kept;
 }
 
-/// Where something begins to be: it is not at `low` (or that is 0, which is not asked) and is at `high`.
-struct Bracket {
-  double low = 0, high = 0;
-};
+using common::Bracket;
+constexpr int MOST_HALVINGS = 60;  // beyond them a number has no more digits
 
-/// @param is  asked of a number in the bracket
-template <class Is>
-Bracket bisect(Bracket in, double resolution, const Is& is) {
-  while (in.high - in.low > resolution) {
-    const double middle = 0.5 * (in.low + in.high);
-    (is(middle) ? in.high : in.low) = middle;
-  }
-  return in;
-}
-
-/// The same without a bracket to begin with: steps away from `near` grow from `first` on, each twice the last.
+/// Where something begins to be, near a place: steps away from `near` grow from `first` on, each twice the last.
 /// @return NaN if there is none within `farthest`
 template <class Is>
 Bracket bracketNear(double near, double first, double farthest, double resolution, const Is& is) {
@@ -66,7 +54,7 @@ Bracket bracketNear(double near, double first, double farthest, double resolutio
     found.low = found.high, away *= 2, found.high = near + away;
     if (away > farthest) return NONE;
   }
-  return bisect(found, resolution, is);
+  return common::bisect(found, is, MOST_HALVINGS, resolution);
 }
 
 }  // namespace
@@ -118,7 +106,7 @@ motion::AxisSettings RungRunner::settingsOf(const RungTrial& trial) const {
   settings.cell_size = trial.cell_size;
   settings.kernel = trial.kernel;
   settings.damping = trial.damping;
-  settings.coarsening_power = elasticity::DensityInterpolation().power;
+  settings.coarsening = mpm::Coarsening::STIFFNESS;
   settings.cancelled = cancelled_;
   return settings;
 }
@@ -211,7 +199,7 @@ double RungRunner::shortestLumped(const RungTrial& trial) const {
     first += GRID;
     if (first > LONGEST) throw common::Error("no pulse up to 1.5 s switches");
   }
-  return bisect({first - GRID, first}, trial.resolution, snaps).high;
+  return common::bisect(Bracket{first - GRID, first}, snaps, MOST_HALVINGS, trial.resolution).high;
 }
 
 double RungRunner::shortestSolid(const RungTrial& trial) const {

@@ -28,5 +28,19 @@ TEST(Bisection, EndsAtTheWidthThatIsAskedFor) {
   EXPECT_LE(calls, 12);
 }
 
+TEST(Bisection, NarrowsAnAnswerFromNoToYesAndAsksNoEnd) {
+  const auto is = [](double x) {
+    EXPECT_GT(x, 0);
+    EXPECT_LT(x, 1);
+    return x >= 0.3;
+  };
+  const Bracket found = bisect(Bracket{0, 1}, is, 60, 1e-3);
+  EXPECT_LT(found.low, 0.3);
+  EXPECT_GE(found.high, 0.3);
+  EXPECT_LE(found.high - found.low, 1e-3);
+  EXPECT_EQ(bisect(Bracket{0, 1}, is, 2).high, 0.5) << "0 .. 1, 0 .. 0.5, 0.25 .. 0.5";
+  EXPECT_EQ(bisect(Bracket{0, 1}, is, 2).low, 0.25);
+}
+
 }  // namespace
 }  // namespace snapwing::common

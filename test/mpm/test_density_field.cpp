@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "snapwing/common/error.h"
+#include "snapwing/elasticity/density_interpolation.h"
+#include "snapwing/mpm/coarsening.h"
 #include "snapwing/mpm/density_field.h"
 #include "support/paths.h"
 
@@ -165,6 +167,10 @@ TEST(Density, CoarserCellsKeepTheMassOrTheStiffness) {
   field.value = {1, 0.5, 0, -1};
   EXPECT_DOUBLE_EQ(field.resampled(2).at(0, 0), 1.5 / 4);
   EXPECT_DOUBLE_EQ(std::pow(field.resampled(2, 3).at(0, 0), 3), 1.125 / 4);
+  EXPECT_EQ(coarseningPower(coarseningFromName("mass")), 1);
+  EXPECT_EQ(coarseningPower(coarseningFromName("stiffness")), elasticity::DensityInterpolation().power);
+  EXPECT_EQ(coarseningName(Coarsening::STIFFNESS), "stiffness");
+  EXPECT_THROW(coarseningFromName("volume"), common::Error);
   field.value = {0.5, 0, 0, 0};  // a sliver of .031
   EXPECT_EQ(field.resampled(2, 3).at(0, 0), -1);
   EXPECT_GT(field.resampled(2).at(0, 0), 0);

@@ -18,6 +18,7 @@
 #include "snapwing/motion/hand_motion.h"
 #include "snapwing/motion/trial_vehicle.h"
 #include "snapwing/motion/wing_assembly.h"
+#include "snapwing/mpm/coarsening.h"
 #include "snapwing/scene/arm_scene.h"
 #include "snapwing/solver/row.h"
 #include "snapwing/vehicle/force_table.h"
@@ -41,9 +42,8 @@ std::string dampingName(DampingLaw law);
 struct AxisSettings {
   int dimension = 2;  ///< 2: plane stress; 3: half the arm's thickness by symmetry
   scene::SceneKernel kernel = scene::SceneKernel::LINEAR;
-  double cell_size = 0;  ///< [m]; 0: that of the arm's density
-  /// 1: coarser cells than the file's keep its mass; 3: the stiffness (mpm::DensityField::resampled)
-  double coarsening_power = 1;
+  double cell_size = 0;                                ///< [m]; 0: that of the arm's density
+  mpm::Coarsening coarsening = mpm::Coarsening::MASS;  ///< what cells that are coarser than the file's keep
   double least_density = 0.2;  ///< cells below are left out: lighter ones invert in violent trials
   mpm::MassKind mass = mpm::MassKind::CONSISTENT;
   DampingLaw damping = DampingLaw::TRAVEL;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "snapwing/common/error.h"
+#include "snapwing/mpm/strain.h"
 #include "snapwing/solver/sensitivity.h"
 
 namespace snapwing::design {
@@ -136,7 +137,7 @@ Mechanism::Strain Mechanism::strainOf(const mpm::Discretisation<D>& solid, doubl
     if (column_of_cell_[c] < 0) continue;
     const Eigen::JacobiSVD<elasticity::Matrix<D>> svd(solid.deformationGradient(c, at.place.y),
                                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
-    s(c) = std::sqrt(solid.cell(c).density) * std::max(0.0, svd.singularValues()(0) - 1);
+    s(c) = mpm::weightedStrain(solid.cell(c).density, svd.singularValues()(0));
     turn[c] = svd.matrixU().col(0) * svd.matrixV().col(0).transpose();
   }
   result.largest = s.maxCoeff();

@@ -1,0 +1,18 @@
+#pragma once
+/// What cells that are coarser than a density's own keep of those in them.
+
+#include <string>
+
+namespace snapwing::mpm {
+
+enum class Coarsening {
+  MASS,       ///< mean of rho
+  STIFFNESS,  ///< mean of rho^p, p of the stiffness (elasticity::DensityInterpolation)
+};
+/// mass or stiffness. @throws common::Error
+Coarsening coarseningFromName(const std::string& name);
+std::string coarseningName(Coarsening coarsening);
+/// The power for DensityField::resampled.
+double coarseningPower(Coarsening coarsening);
+
+}  // namespace snapwing::mpm
