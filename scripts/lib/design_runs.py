@@ -5,6 +5,10 @@ import re
 import subprocess
 
 
+ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+PROGRAM = os.path.join(os.environ.get("SNAPWING_BUILD", os.path.join(ROOT, "build")), "devel", "lib", "snapwing", "snapwing")
+
+
 def settings_text(path):
     """The file's text with an absolute path of the vehicle, so that it can be read from any folder."""
     with open(path, encoding="utf-8") as stream:
@@ -19,6 +23,11 @@ def replaced(text, pattern, value):
     if count != 1:
         raise ValueError(f"{pattern} found {count} times in the settings")
     return text
+
+
+def replaced_in(text, section, key, value):
+    """The number of a key of this section; other sections may have a key of that name."""
+    return replaced(text, rf"^({section}:[^\n]*\n(?:[ \n#][^\n]*\n|\n)*?  {key}: )\S+", rf"\g<1>{value}")
 
 
 def report_of(program, folder, text, environment=None):
