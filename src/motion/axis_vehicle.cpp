@@ -26,10 +26,8 @@ constexpr double CURVE_STEP = 0.002;     // [m]
 AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
                          const vehicle::Trial& trial, const AxisSettings& settings,
                          const std::optional<vehicle::WingTable>& wing)
-    : trial_(trial),
-      settings_(settings),
-      stop_(vehicle.limits.travel_min),
-      wing_stop_(settings.wing_stop.value_or(vehicle.wing.stop.value)) {
+    : trial_(trial), settings_(settings), stop_(vehicle.limits.travel_min) {
+  settings_.wing_forces.rest_stop = settings.wing_stop.value_or(vehicle.wing.stop.value);
   trial.validate();
   memory_known_ = !vehicle.material.relaxation.terms.empty();
   if (settings.relaxation) {
@@ -136,14 +134,14 @@ void AxisVehicle::placeWings() {
 std::vector<std::shared_ptr<const Term>> AxisVehicle::wingForces() {
   std::vector<std::shared_ptr<const Term>> out = wings_.pins();
   for (int wing = 0; wing < wings_.wingCount(); ++wing) {
-    if (wing_stop_ > 0) out.push_back(wings_.stop(wing, wing_stop_));
+    for (const auto& term : wings_.forces(wing, settings_.wing_forces)) out.push_back(term);
     if (settings_.wings_follow_travel) {
       out.push_back(wings_.travelHub(wing, travelRow(), staticRotation(), settings_.hub_stiffness));
       continue;
     }
     Eigen::VectorXd gradient;
     scene_->monitor(wing, Eigen::VectorXd::Zero(nodes_), &gradient);
-    hubs_.push_back(wings_.hub(wing, gradient, ring_, settings_.hub_stiffness));
+    hubs_.push_back(wings_.hub(wing, gradient, settings_.hub_stiffness));
     out.push_back(hubs_.back());
   }
   return out;
@@ -153,7 +151,10 @@ std::vector<std::shared_ptr<const Term>> AxisVehicle::wingForces() {
 void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
   constexpr double PENALTY = 10, GAP = 1e-12;  // [N/m] of the size of a bar's weight in long steps; [m]
   std::vector<solver::Equation> equations = armEquations();
-  const std::vector<solver::Equation> more = wings_.equations(ring_);
+  const std::vector<solver::Equation> more = wings_.equations([&](int, const Eigen::Vector2d&, int axis) {
+    const bool carried = ring_ >= 0 && axis == 1;
+    return carried ? std::vector<std::pair<int, double>>{{ring_, 1.0}} : std::vector<std::pair<int, double>>{};
+  });
   equations.insert(equations.end(), more.begin(), more.end());
   const int entries = settings_.dimension * settings_.dimension;
   const int first = linkage_ ? wings_.firstEntry() : nodes_;
@@ -431,9 +432,7 @@ std::vector<std::string> AxisVehicle::leftOut() const {
                   (memory_known_ ? "off" : "not given") + "): a slow curve, a snap and a rest have one modulus");
   }
   if (linkage_) {
-    out.push_back("folding of the blade: a rigid body in its place, whose K misses that of the wing's table by up to " +
-                  common::toText(linkage_->bladeError()) + " of the largest");
-    out.push_back("air loads and weight of the blade's film beyond that body, play of the pins, bending of the bars");
+    for (const std::string& what : wings_.leftOut(settings_.wing_forces)) out.push_back(what);
   } else {
     out.push_back("wings and their linkage");
   }

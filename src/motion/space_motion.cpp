@@ -85,7 +85,7 @@ Eigen::VectorXd SpaceVehicle::inRingFrame(const Eigen::VectorXd& y) const {
   const Vector3d moved = ring_.centre + y.segment<3>(ring_.centre_at);
   Eigen::VectorXd u(nodes_);
   for (const Arrow& arrow : arrows_) {
-    if (arrow.arm < 0) continue;
+    if (arrow.first >= nodes_) continue;  // of bodies
     const Vector3d seen = back * (arrow.rest + inWorld(arrow, y) - moved) + ring_.centre - arrow.rest;
     u.segment<3>(arrow.first) = turned_[arrow.arm].transpose() * seen;
   }
@@ -110,9 +110,21 @@ AxisSample SpaceVehicle::sample(const MotionState& s) const {
   out.housing_tilt = angle(0.5 * ((ring.transpose() * housing).trace() - 1));
   out.drift = std::hypot(place(0), place(2));
   out.turn_rate = ringTurning(s).norm();
+  const Vector3d from_hub = pointOf(housing_, housing_.centre).at(s.y) - hub_.at(s.y);
+  out.centre_off = (from_hub - axis.dot(from_hub) * axis).norm();
+  if (linkage_) {
+    const Eigen::VectorXd seen = inRingFrame(s.y);
+    out.wing_left = wingAngle(s, 0, seen), out.wing_right = wingAngle(s, 1, seen);
+    out.hub_twist = 0;
+    for (const auto& hub : hubs_) out.hub_twist = std::max(out.hub_twist, std::abs(hub->twist(s.y)));
+  }
   out.kinetic = s.kinetic, out.stored = s.stored;
   out.strain = largestStrain(*scene_, s.y.head(nodes_));
   return out;
+}
+
+double SpaceVehicle::wingAngle(const MotionState& s, int wing, const Eigen::VectorXd& in_ring_frame) const {
+  return wings_.wingAngle(s.y, wing, linkage_->guessAt(scene_->monitor(armOfWing(wing), in_ring_frame)).wing);
 }
 
 std::string SpaceVehicle::vtu(const MotionState& s) const { return scene_->vtuOf(s.y.head(nodes_)); }
@@ -122,7 +134,13 @@ std::vector<std::string> SpaceVehicle::kept() const {
       "ring and housing as rigid bodies with all their motions, every arm as a solid of its own that bends in space",
       "thrust of each propeller at its place, along the ring's own axis, with the lag of all",
       "drag of ring and centre against their velocity in space"};
-  if (onBoom()) out.push_back("the boom's turning about its axis, with the centripetal load on centre and arms");
+  const std::string loaded = linkage_ ? "centre, arms and wings" : "centre and arms";
+  if (onBoom()) out.push_back("the boom's turning about its axis, with the centripetal load on " + loaded);
+  if (linkage_) {
+    out.push_back(
+        "wings as rigid bars in their pins on the soft arms, in the plane of the boom's turning: left outside, "
+        "right inside");
+  }
   if (space_.moment_per_thrust > 0) out.push_back("yaw moment of the propellers");
   if (space_.no_thrust_speed > 0) out.push_back("thrust that falls with the speed along the axis");
   if (space_.sag > 0) out.push_back("a battery that sags with the thrust of all");
@@ -134,8 +152,16 @@ std::vector<std::string> SpaceVehicle::leftOut() const {
       "a flight controller: thrust of the rotors is as told, and nothing rights the vehicle",
       "moments of the air, its forces on the arms, gyroscopic moments of rotors and propellers",
       "the ring's own shape: a thin ring of its radius with all its mass; the housing is a solid cylinder",
-      "friction of the arms' axles beyond the damping ratio, and that an arm could slide along its axle",
-      "wings and their linkage"};
+      "friction of the arms' axles beyond the damping ratio, and that an arm could slide along its axle"};
+  if (linkage_) {
+    for (const std::string& what : wings_.leftOut(wing_forces_)) out.push_back(what);
+    if (trial_.gravity != 0 || space_.gravity_across != 0 || trial_.initial_thrust_fraction.value_or(0) > 0) {
+      out.push_back("the wings' load in the equilibrium at the start");
+    }
+    out.push_back("wings that turn about any but their pins' axes at rest");
+  } else {
+    out.push_back("wings and their linkage");
+  }
   if (trial_.initial_thrust_fraction.value_or(0) > 0) {
     out.push_back("unevenness of the rotors in the equilibrium at the start");
   }

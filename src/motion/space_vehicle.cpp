@@ -44,6 +44,12 @@ AxisSettings inSpace(AxisSettings settings) {
   return settings;
 }
 
+/// The start and the static curve along the axis are those without wings: at rest they load nothing.
+vehicle::Trial withoutWings(vehicle::Trial trial) {
+  trial.wings = false;
+  return trial;
+}
+
 AxisSettings wholeThickness(AxisSettings settings) {
   settings = inSpace(std::move(settings));
   settings.whole_thickness = true;
@@ -67,9 +73,9 @@ void SpaceSettings::validate(int rotors) const {
 }
 
 SpaceVehicle::SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
-                           const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space)
-    : trial_(trial), space_(space), axis_(vehicle, parameters, trial, inSpace(settings)) {
-  if (trial.wings.value_or(false)) throw common::Error("wings is on in six degrees of freedom; allowed: off");
+                           const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space,
+                           const std::optional<vehicle::WingTable>& wing)
+    : trial_(trial), space_(space), axis_(vehicle, parameters, withoutWings(trial), inSpace(settings)) {
   if (settings.dimension != 3)
     throw common::Error("arms in the plane in six degrees of freedom; allowed: rung volumetric");
   if (settings.hand) throw common::Error("a hand in six degrees of freedom; allowed: along the axis");
@@ -97,24 +103,24 @@ SpaceVehicle::SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehic
   scene_ = scene::compileScene(scene, settings.threads);
   nodes_ = scene_->terms().coordinates().fullCount();
   per_arm_ = nodes_ / arms_;
+  axle_ = {vehicle.arm.pin_x, vehicle.arm.pin_y, 0};
   placeBodies(vehicle);
+  if (trial.wings.value_or(false)) addWings(vehicle, parameters, settings, wing);
+  full_ = nodes_ + 24 + wings_.count();
   findArrows();
   hub_ = pointOf(ring_, ring_centre_);
   strut_ = solver::SpacePoint::between(pointOf(ring_, ring_centre_ + STRUT * Vector3d::UnitY()),
                                        pointOf(housing_, housing_.centre - STRUT * Vector3d::UnitY()));
-  solver::HessianLayout layout(nodes_ + 24);
+  solver::HessianLayout layout(full_);
   layout.addRegion(0, scene_->volumetric()->pattern());
-  const solver::SplitEquations split =
-      solver::splitEquations(nodes_ + 24, rotors_, equations(), false, nodes_ + 6, 2, 9);
-  auto coordinates = std::make_shared<const solver::Coordinates>(
-      split.eliminated, 3, std::vector<solver::Rotation>{ring_.rotation, housing_.rotation});
-  solver::TermProblem::Parts parts{std::move(layout), std::move(coordinates),       {},
-                                   settings.threads,  scene_->terms().forceFloor(), 0};
+  solver::TermProblem::Parts parts{std::move(layout), {}, {}, settings.threads, scene_->terms().forceFloor(), 0};
+  join(parts);
   parts.terms = {scene_->terms().terms().front(), scene_->inertia(settings.mass)};
   for (const auto& term : bodies(parameters)) parts.terms.push_back(term);
   problem_ = std::make_shared<const solver::TermProblem>(parts);
-  const Eigen::VectorXd up = rigidRates(Eigen::VectorXd::Zero(nodes_ + 24), Vector3d::UnitY(), Vector3d::Zero());
+  const Eigen::VectorXd up = rigidRates(Eigen::VectorXd::Zero(full_), Vector3d::UnitY(), Vector3d::Zero());
   mass_ = up.dot(momentumOf(*problem_, up));
+  for (const auto& term : wingForces(settings)) parts.terms.push_back(term);
   for (const auto& term : forces(parameters)) parts.terms.push_back(term);
   for (const auto& term : propellers(parameters)) parts.terms.push_back(term);
   auto solid = std::dynamic_pointer_cast<const solver::ElasticTerm<3>>(parts.terms.front())->sharedSolid();
@@ -140,6 +146,63 @@ void SpaceVehicle::placeBodies(const vehicle::Vehicle& vehicle) {
   if (trial_.mount == Mount::HELD) ring_.rotation.axes.clear();
 }
 
+/// One wing each way along the first arm: their pins' axes lie along the boom's, so that bars turn about one axis.
+void SpaceVehicle::addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p,
+                            const AxisSettings& settings, const std::optional<vehicle::WingTable>& wing) {
+  if (trial_.mount == Mount::FREE) {
+    throw common::Error("wings is on in free flight in six degrees of freedom; allowed: mount boom or held, or off");
+  }
+  if (!wing) throw common::Error("wings is on, and the vehicle has none; allowed: off");
+  if (arms_ % 2 != 0) {
+    throw common::Error("wings is on with arm.count " + std::to_string(arms_) +
+                        " in six degrees of freedom; allowed: an even number, two arms against each other");
+  }
+  if (settings.wings_follow_travel) {
+    throw common::Error("wings_follow is travel in six degrees of freedom; allowed: arm");
+  }
+  wing_forces_ = settings.wing_forces;
+  wing_forces_.rest_stop = settings.wing_stop.value_or(vehicle.wing.stop.value);
+  linkage_ = std::make_shared<const WingLinkage>(*wing, vehicle.wing.layout_file, p.wing_inertia, p.wing_friction);
+  std::vector<WingAssembly::Wing> wings{{true, 1, settings.friction_left, ringTurningAbout(armOfWing(0))},
+                                        {false, 1, settings.friction_right, ringTurningAbout(armOfWing(1))}};
+  const int bars = static_cast<int>(3 * wings.size());
+  // Places of the bars before all rotations, which must follow each other.
+  for (RigidBody* body : {&ring_, &housing_}) body->rotation.first += 3 * bars;
+  for (WingAssembly::Wing& one : wings) one.ring->cosine += 3 * bars, one.ring->sine += 3 * bars;
+  wings_ = WingAssembly(linkage_, std::move(wings), 3, nodes_ + 6, nodes_ + 6 + 3 * bars + 18);
+}
+
+/// In the axes of an arm along or against the first one.
+Turning SpaceVehicle::ringTurningAbout(int arm) const {
+  const int first = ring_.rotation.first;
+  return {first, first + 1, ring_.rotation.length, arm == 0 ? 1.0 : -1.0};
+}
+
+std::vector<std::shared_ptr<const Term>> SpaceVehicle::wingForces(const AxisSettings& settings) {
+  std::vector<std::shared_ptr<const Term>> terms = wings_.pins();
+  for (int wing = 0; wing < wings_.wingCount(); ++wing) {
+    for (const auto& term : wings_.forces(wing, wing_forces_)) terms.push_back(term);
+    Eigen::VectorXd gradient;
+    scene_->monitor(armOfWing(wing), Eigen::VectorXd::Zero(nodes_), &gradient);
+    hubs_.push_back(wings_.hub(wing, gradient, settings.hub_stiffness));
+    terms.push_back(hubs_.back());
+  }
+  return terms;
+}
+
+/// Coordinates, and what of the wings' closed chains is kept as equations.
+void SpaceVehicle::join(solver::TermProblem::Parts& parts) const {
+  constexpr double PENALTY = 10, GAP = 1e-12;  // as along the axis
+  std::vector<solver::Rotation> rotations{ring_.rotation, housing_.rotation};
+  for (const solver::Rotation& bar : wings_.rotations()) rotations.push_back(bar);
+  const solver::SplitEquations split = solver::splitEquations(full_, rotors_, equations(), false, ring_.rotation.first,
+                                                              static_cast<int>(rotations.size()), 9);
+  parts.coordinates = std::make_shared<const solver::Coordinates>(split.eliminated, 3, rotations);
+  if (split.kept.count() == 0) return;
+  parts.constraints =
+      std::make_shared<const solver::Constraints>(split.kept, solver::Enforcement::MULTIPLIERS, PENALTY, GAP);
+}
+
 void SpaceVehicle::findArrows() {
   const mpm::Discretisation<3>& solid = *scene_->volumetric();
   for (int node = 0; node < solid.nodeCount(); ++node) {
@@ -152,14 +215,21 @@ void SpaceVehicle::findArrows() {
       arrows_.push_back({body->rotation.first + 3 * j, -1, body->rotation.length * Vector3d::Unit(j), false});
     }
   }
+  const std::vector<solver::Rotation> bars = wings_.rotations();
+  for (int bar = 0; bar < static_cast<int>(bars.size()); ++bar) {
+    const int wing = bar / 3, arm = armOfWing(wing);
+    arrows_.push_back({wings_.place(wing, bar % 3), arm, origin_[arm] + turned_[arm] * axle_, true});
+    for (int j = 0; j < 3; ++j) {
+      arrows_.push_back({bars[bar].first + 3 * j, arm, turned_[arm] * bars[bar].length * Vector3d::Unit(j), false});
+    }
+  }
 }
 
-/// Adds factor times the displacement that a node would have as a part of a body, its component in the arm's axes.
-void SpaceVehicle::addFollowing(int dof, double factor, const RigidBody& body, std::map<int, double>& terms) const {
-  const Arrow& node = arrows_[dof / 3];
-  const Vector3d way = (node.rest - body.centre) / body.rotation.length;
+void SpaceVehicle::addFollowing(const Followed& at, double factor, const RigidBody& body,
+                                std::map<int, double>& terms) const {
+  const Vector3d way = (at.rest - body.centre) / body.rotation.length;
   for (int i = 0; i < 3; ++i) {
-    const double share = factor * turned_[node.arm](i, dof % 3);
+    const double share = factor * turned_[at.arm](i, at.axis);
     if (share == 0) continue;
     terms[body.centre_at + i] += share;
     for (int j = 0; j < 3; ++j) terms[body.rotation.first + i + 3 * j] += share * way(j);
@@ -176,7 +246,7 @@ std::vector<solver::Equation> SpaceVehicle::equations() const {
     std::map<int, double> terms;
     for (const auto& [dof, factor] : in_scene.terms) {
       terms[dof] += factor;
-      addFollowing(dof, -factor, body, terms);
+      addFollowing({arrows_[dof / 3].rest, arrows_[dof / 3].arm, dof % 3}, -factor, body, terms);
     }
     solver::Equation& equation = list.emplace_back();
     equation.name = in_scene.name;
@@ -201,6 +271,16 @@ std::vector<solver::Equation> SpaceVehicle::equations() const {
     equation.terms = {{ring_.centre_at + i, 1.0}};
     list.push_back(std::move(equation));
   }
+  const auto on_ring = [&](int wing, const Eigen::Vector2d& at, int axis) {
+    const int arm = armOfWing(wing);
+    std::map<int, double> terms;
+    addFollowing({origin_[arm] + turned_[arm] * (axle_ + Vector3d(at(0), at(1), 0)), arm, axis}, 1, ring_, terms);
+    std::vector<std::pair<int, double>> kept(terms.begin(), terms.end());
+    kept.erase(std::remove_if(kept.begin(), kept.end(), [](const auto& t) { return std::abs(t.second) < 1e-13; }),
+               kept.end());
+    return kept;
+  };
+  for (solver::Equation& equation : wings_.equations(on_ring)) list.push_back(std::move(equation));
   return list;
 }
 
@@ -219,7 +299,7 @@ std::vector<std::shared_ptr<const Term>> SpaceVehicle::bodies(const vehicle::Veh
     const double across = mass * (radius * radius / 2 + height * height / 12);
     return Matrix3d(Vector3d(across, mass * radius * radius, across).asDiagonal());
   };
-  const double boom = onBoom() ? p.boom_mass : 0, ring_mass = p.ring_mass - axis_.armMass();
+  const double boom = onBoom() ? p.boom_mass : 0, ring_mass = p.ring_mass - axis_.armMass() - wings_.mass();
   std::vector<std::shared_ptr<const Term>> terms;
   terms.push_back(std::make_shared<solver::RigidInertiaTerm>(
       "ring", 3, ring_.centre_at, ring_.rotation,
@@ -229,6 +309,7 @@ std::vector<std::shared_ptr<const Term>> SpaceVehicle::bodies(const vehicle::Veh
       "housing", 3, housing_.centre_at, housing_.rotation,
       solver::RigidMass::of(p.centre_mass, Vector3d::Zero(),
                             ring(p.centre_mass, r / std::sqrt(2.0), housing_height_))));
+  for (const auto& bar : wings_.inertia()) terms.push_back(bar);
   return terms;
 }
 
@@ -245,7 +326,7 @@ std::vector<std::shared_ptr<const Term>> SpaceVehicle::forces(const vehicle::Veh
     terms.push_back(std::make_shared<PinFriction>("friction of the boom", std::vector<Turning>{turning},
                                                   p.boom_friction * boom_, FRICTION_SPEED / boom_));
   }
-  const double rest = strut_.at(Eigen::VectorXd::Zero(nodes_ + 24)).norm();
+  const double rest = strut_.at(Eigen::VectorXd::Zero(full_)).norm();
   if (!(axis_.materialTime() > 0)) {
     terms.push_back(std::make_shared<solver::StrutDamper>("damping of the travel", strut_, axis_.travelDamping()));
   }
@@ -273,7 +354,7 @@ std::vector<std::shared_ptr<const Term>> SpaceVehicle::propellers(const vehicle:
 }
 
 std::shared_ptr<const Term> SpaceVehicle::weight() const {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(nodes_ + 24);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(full_);
   const Eigen::VectorXd field =
       rigidRates(none, Vector3d(-space_.gravity_across, -trial_.gravity, 0), Vector3d::Zero());
   Eigen::VectorXd load = momentumOf(*problem_, field);
@@ -326,18 +407,20 @@ Eigen::VectorXd SpaceVehicle::wholeArm(const Eigen::VectorXd& along) const {
 
 MotionState SpaceVehicle::start(vehicle::Mode mode, double thrust, bool* held) const {
   const MotionState along = axis_.start(mode, (1 - space_.sag * thrust / max_thrust_) * thrust, held);
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(nodes_ + 24);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(full_);
   for (int arm = 0; arm < arms_; ++arm) y.segment(arm * per_arm_, per_arm_) = wholeArm(along.y);
   y(housing_.centre_at + 1) = -axis_.travel(along);
   const Vector3d speed(0, trial_.initial_speed, 0),
       turn = boom_ > 0 ? Vector3d(0, 0, trial_.initial_speed / boom_) : Vector3d::Zero();
   const Vector3d velocity = boom_ > 0 ? Vector3d(-turn.cross(ring_.centre)) : speed;
-  const Eigen::VectorXd rates = rigidRates(y, velocity, turn);
   const StepperSettings settings;
   const Stepper stepper(problem_, Scheme(SchemeKind::MIDPOINT), settings);
   const solver::Coordinates& coordinates = problem_->coordinates();
-  const int turning = static_cast<int>(ring_.rotation.axes.size() + housing_.rotation.axes.size());
-  return stepper.start(coordinates.freePart(y, Eigen::VectorXd::Zero(turning)), controls(0, 0, thrust), rates);
+  const auto turning = static_cast<Eigen::Index>(ring_.rotation.axes.size() + housing_.rotation.axes.size());
+  Eigen::VectorXd turned = Eigen::VectorXd::Zero(turning + wings_.rotationCount());
+  if (linkage_) turned.tail(wings_.rotationCount()) = wings_.turned(scene_->monitor(0, y.head(nodes_)));
+  const Eigen::VectorXd z = coordinates.freePart(y, turned), load = controls(0, 0, thrust);
+  return stepper.start(z, load, rigidRates(coordinates.expand(z, load), velocity, turn));
 }
 
 }  // namespace snapwing::motion

@@ -166,11 +166,15 @@ void readSpace(SettingsReader& reader, TrialFile& out) {
     if (reader.has(key) && !out.six) reader.fail(key, "given", "with freedom: six only");
   }
   if (!out.six) return;
-  if (out.trial.wings.value_or(false)) reader.fail("wings", "on with freedom: six", "off, auto");
+  const bool wings = out.trial.wings.value_or(false);
+  if (wings && out.mount != "boom" && out.mount != "held") {
+    reader.fail("wings", "on with freedom: six and mount " + out.mount, "off, auto, or with mount: boom or held");
+  }
+  if (wings && out.axis.wings_follow_travel) reader.fail("solid.wings_follow", "travel with freedom: six", "arm");
   if (out.axis.damping != DampingLaw::TRAVEL && out.axis.damping != DampingLaw::KELVIN_VOIGT) {
     reader.fail("solid.damping", dampingName(out.axis.damping), "travel, kelvin_voigt with freedom: six");
   }
-  out.trial.wings = false;
+  out.trial.wings = wings;
   out.space.gravity_across = reader.numberOr("gravity_across", 0, {-100, 100}, "m/s2");
   if (!reader.has("propellers")) return;
   SettingsReader propellers = reader.map("propellers");
@@ -212,6 +216,18 @@ void readFriction(SettingsReader& reader, TrialFile& out) {
   friction.finish();
 }
 
+/// What acts on the wings beside their pins and the stop at rest.
+void readWingForces(SettingsReader& reader, TrialFile& out) {
+  if (!reader.has("wing_forces")) return;
+  SettingsReader forces = reader.map("wing_forces");
+  if (out.rung == TrialRung::LUMPED) reader.fail("wing_forces", "given", "with rung planar or volumetric only");
+  WingForces& of = out.axis.wing_forces;
+  of.fold_bias = forces.numberOr("fold_bias", 0, {0, 10}, "N m");
+  of.fold_stop = forces.numberOr("fold_stop", 0, {0, 1e5}, "N m");
+  of.air = forces.numberOr("air", 0, {0, 1}, "N m s2");
+  forces.finish();
+}
+
 }  // namespace
 
 std::string rungName(TrialRung rung) {
@@ -231,6 +247,7 @@ TrialFile loadTrial(const std::string& path) {
   readSolid(reader, out);
   readLevels(reader, out);
   readFriction(reader, out);
+  readWingForces(reader, out);
   readSpace(reader, out);
   readHand(reader, out);
   readSteps(reader, out);

@@ -20,7 +20,7 @@ struct Column {
   double AxisSample::*value;
 };
 
-constexpr std::array<Column, 24> COLUMNS{{{"time", "s", &AxisSample::time},
+constexpr std::array<Column, 25> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"travel", "m", &AxisSample::travel},
                                           {"travel_rate", "m/s", &AxisSample::travel_rate},
                                           {"arm_rotation", "rad", &AxisSample::arm_rotation},
@@ -31,6 +31,7 @@ constexpr std::array<Column, 24> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"housing_tilt", "rad", &AxisSample::housing_tilt},
                                           {"drift", "m", &AxisSample::drift},
                                           {"turn_rate", "rad/s", &AxisSample::turn_rate},
+                                          {"centre_off", "m", &AxisSample::centre_off},
                                           {"ring_position", "m", &AxisSample::ring_position},
                                           {"ring_speed", "m/s", &AxisSample::ring_speed},
                                           {"centre_speed", "m/s", &AxisSample::centre_speed},
@@ -57,7 +58,7 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 6\n";
+const std::string MAGIC = "snapwing trial checkpoint 7\n";
 
 using common::BytesReader;
 using common::BytesWriter;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "snapwing/common/plain_text.h"
+
 namespace snapwing::motion {
 
 using solver::Equation;
@@ -18,8 +20,12 @@ constexpr const char* SIDES[2] = {"right", "left"};
 }  // namespace
 
 WingAssembly::WingAssembly(std::shared_ptr<const WingLinkage> linkage, std::vector<Wing> wings, int dimension,
-                           int first)
-    : linkage_(std::move(linkage)), wings_(std::move(wings)), dimension_(dimension), first_(first) {}
+                           int first, int first_entry)
+    : linkage_(std::move(linkage)),
+      wings_(std::move(wings)),
+      dimension_(dimension),
+      first_(first),
+      first_entry_(first_entry >= 0 ? first_entry : first + bodies() * dimension) {}
 
 std::vector<solver::Rotation> WingAssembly::rotations() const {
   std::vector<solver::Rotation> out;
@@ -34,6 +40,12 @@ Turning WingAssembly::turning(int wing, WingLinkage::Body body) const {
   return {first, first + 1, LENGTH};
 }
 
+std::vector<Turning> WingAssembly::byTheRing(int wing, WingLinkage::Body body) const {
+  std::vector<Turning> out{turning(wing, body)};
+  if (wings_[wing].ring) out.push_back(*wings_[wing].ring);
+  return out;
+}
+
 /// Displacement of a body's point: c + E X / L.
 std::vector<std::pair<int, double>> WingAssembly::point(int wing, int body, const Eigen::Vector2d& at, int axis) const {
   std::vector<std::pair<int, double>> terms{{place(wing, body) + axis, 1.0}};
@@ -43,7 +55,7 @@ std::vector<std::pair<int, double>> WingAssembly::point(int wing, int body, cons
   return terms;
 }
 
-std::vector<Equation> WingAssembly::equations(int ring) const {
+std::vector<Equation> WingAssembly::equations(const OnRing& on_ring) const {
   const Eigen::Vector2d axle = Eigen::Vector2d::Zero();
   std::vector<Equation> out;
   const auto add = [&](const std::string& name, std::vector<std::pair<int, double>> one,
@@ -57,10 +69,9 @@ std::vector<Equation> WingAssembly::equations(int ring) const {
   for (int wing = 0; wing < wingCount(); ++wing) {
     const std::string of = " of the " + std::string(SIDES[wings_[wing].left ? 1 : 0]) + " wing";
     for (int axis = 0; axis < 2; ++axis) {
-      std::vector<std::pair<int, double>> carried;
-      if (ring >= 0 && axis == 1) carried.emplace_back(ring, 1.0);
-      add("axle" + of, point(wing, WingLinkage::CRANK, axle, axis), carried);
-      add("auxiliary pin" + of, point(wing, WingLinkage::ROCKER, linkage_->auxiliary(), axis), carried);
+      add("axle" + of, point(wing, WingLinkage::CRANK, axle, axis), on_ring(wing, axle, axis));
+      add("auxiliary pin" + of, point(wing, WingLinkage::ROCKER, linkage_->auxiliary(), axis),
+          on_ring(wing, linkage_->auxiliary(), axis));
       add("joint 1" + of, point(wing, WingLinkage::WING, linkage_->joint1(), axis),
           point(wing, WingLinkage::CRANK, linkage_->joint1(), axis));
     }
@@ -96,7 +107,10 @@ std::vector<std::shared_ptr<const Term>> WingAssembly::pins() const {
     const Turning crank = turning(wing, WingLinkage::CRANK), blade = turning(wing, WingLinkage::WING),
                   rocker = turning(wing, WingLinkage::ROCKER);
     const std::vector<std::pair<std::string, std::vector<Turning>>> pins = {
-        {"axle", {crank}}, {"joint 1", {crank, blade}}, {"joint 2", {blade, rocker}}, {"auxiliary pin", {rocker}}};
+        {"axle", byTheRing(wing, WingLinkage::CRANK)},
+        {"joint 1", {crank, blade}},
+        {"joint 2", {blade, rocker}},
+        {"auxiliary pin", byTheRing(wing, WingLinkage::ROCKER)}};
     for (const auto& [name, bodies] : pins) {
       out.push_back(std::make_shared<PinFriction>("friction of " + name + ", " + SIDES[w.left ? 1 : 0], bodies, moment,
                                                   FRICTION_RATE));
@@ -104,32 +118,62 @@ std::vector<std::shared_ptr<const Term>> WingAssembly::pins() const {
     if (linkage_->storedEnergy().empty()) continue;
     std::vector<double> energy = linkage_->storedEnergy();
     for (double& value : energy) value *= w.weight;
-    out.push_back(std::make_shared<AngleEnergy>("flexures", crank, SmoothCurve(linkage_->rotations(), energy)));
+    out.push_back(std::make_shared<AngleEnergy>("flexures", byTheRing(wing, WingLinkage::CRANK),
+                                                SmoothCurve(linkage_->rotations(), energy)));
   }
   return out;
 }
 
-std::shared_ptr<const Term> WingAssembly::stop(int wing, double stiffness) const {
-  const double k = wings_[wing].weight * stiffness;
-  // A cubic through these is k angle^2 / 2 below 0.
-  return std::make_shared<AngleEnergy>("stop of the wing", turning(wing, WingLinkage::WING),
-                                       SmoothCurve({-1, 0, 3}, {0.5 * k, 0, 0}, {-k, 0, 0}));
+std::vector<std::shared_ptr<const Term>> WingAssembly::forces(int wing, const WingForces& of) const {
+  const double weight = wings_[wing].weight;
+  const std::vector<Turning> blade = byTheRing(wing, WingLinkage::WING), crank = byTheRing(wing, WingLinkage::CRANK);
+  // Cubics through these are k x^2 / 2 on one side of a stop and 0 on the other, straight where the bias acts.
+  std::vector<std::shared_ptr<const Term>> out;
+  if (of.rest_stop > 0) {
+    const double k = weight * of.rest_stop;
+    out.push_back(
+        std::make_shared<AngleEnergy>("stop of the wing", blade, SmoothCurve({-1, 0, 3}, {0.5 * k, 0, 0}, {-k, 0, 0})));
+  }
+  if (of.fold_stop > 0) {
+    const double k = weight * of.fold_stop, end = linkage_->rotations().back();
+    out.push_back(std::make_shared<AngleEnergy>("stop of the fold", crank,
+                                                SmoothCurve({end - 3, end, end + 1}, {0, 0, 0.5 * k}, {0, 0, k})));
+  }
+  if (of.fold_bias > 0) {
+    const double moment = weight * of.fold_bias;
+    out.push_back(std::make_shared<AngleEnergy>("bias of the fold", blade,
+                                                SmoothCurve({0, M_PI}, {M_PI * moment, 0}, {-moment, -moment})));
+  }
+  if (of.air > 0) out.push_back(std::make_shared<TurningDrag>("air on the wing", blade, weight * of.air));
+  return out;
 }
 
-std::shared_ptr<const HubTerm> WingAssembly::hub(int wing, const Eigen::VectorXd& rotation_at_rest, int carrier,
+std::shared_ptr<const HubTerm> WingAssembly::hub(int wing, const Eigen::VectorXd& rotation_at_rest,
                                                  double stiffness) const {
   std::vector<int> nodes;
   for (int k = 0; k + 1 < rotation_at_rest.size(); k += dimension_) {
     if (rotation_at_rest(k) != 0 || rotation_at_rest(k + 1) != 0) nodes.push_back(k);
   }
-  return std::make_shared<const HubTerm>("hub", rotation_at_rest, nodes, carrier, turning(wing, WingLinkage::CRANK),
-                                         wings_[wing].weight * stiffness);
+  return std::make_shared<const HubTerm>("hub", rotation_at_rest, nodes, place(wing, WingLinkage::CRANK),
+                                         turning(wing, WingLinkage::CRANK), wings_[wing].weight * stiffness);
 }
 
 std::shared_ptr<const Term> WingAssembly::travelHub(int wing, const solver::Row& travel, const SmoothCurve& curve,
                                                     double stiffness) const {
   return std::make_shared<const TravelHub>("hub on the travel", turning(wing, WingLinkage::CRANK), travel, curve,
                                            wings_[wing].weight * stiffness);
+}
+
+std::vector<std::string> WingAssembly::leftOut(const WingForces& of) const {
+  std::vector<std::string> out{
+      "folding of the blade: a rigid body in its place, whose K misses that of the wing's table by up to " +
+          common::toText(linkage_->bladeError()) + " of the largest",
+      "weight of the blade's film beyond that body, play of the pins, bending of the bars"};
+  out.push_back(of.air > 0 ? "air loads on the wings but for still air against their turning"
+                           : "air loads on the wings");
+  if (!(of.fold_bias > 0)) out.push_back("bias of the blade's central fold towards folded");
+  if (!(of.fold_stop > 0)) out.push_back("what keeps an arm's end from turning further than its wing was designed for");
+  return out;
 }
 
 double WingAssembly::mass() const {
@@ -155,7 +199,8 @@ Eigen::VectorXd WingAssembly::turned(double crank) const {
 }
 
 double WingAssembly::wingAngle(const Eigen::VectorXd& y, int wing, double expected) const {
-  return expected + std::remainder(turning(wing, WingLinkage::WING).angle(y) - expected, 2 * M_PI);
+  const double angle = TurningAngle("wing", byTheRing(wing, WingLinkage::WING)).at(y);
+  return expected + std::remainder(angle - expected, 2 * M_PI);
 }
 
 }  // namespace snapwing::motion

@@ -26,7 +26,7 @@ void addCouple(const Eigen::MatrixXd& block, Sum& sum) {
 
 bool exact(Order order) { return order == Order::TANGENT; }
 
-/// Of atan2(b, a) by (a, b), also where a^2 + b^2 is not L^2: in the middle of a step.
+/// Of a body's angle by its (a, b), also where a^2 + b^2 is not L^2: in the middle of a step.
 struct AngleSlope {
   Eigen::Vector2d first;
   Eigen::Matrix2d second;
@@ -35,22 +35,75 @@ struct AngleSlope {
 AngleSlope slopeOf(const Turning& body, const Eigen::VectorXd& y) {
   const double a = body.length + y(body.cosine), b = y(body.sine), square = a * a + b * b;
   AngleSlope out;
-  out.first = Eigen::Vector2d(-b, a) / square;
+  out.first = body.sign * Eigen::Vector2d(-b, a) / square;
   out.second << 2 * a * b, b * b - a * a, b * b - a * a, -2 * a * b;
-  out.second /= square * square;
+  out.second *= body.sign / (square * square);
   return out;
+}
+
+/// A loss by the angle that a step turns: its potential [J], moment [N m] and the moment's slope [N m].
+struct TurningLoss {
+  double potential, moment, slope;
+};
+
+void addLoss(const TurningAngle& angle, const Eigen::VectorXd& y, const TurningLoss& loss, Order order, Sum& sum) {
+  sum.energy += loss.potential;
+  if (order == Order::ENERGY) return;
+  const Eigen::VectorXd slope = angle.slope(y);
+  for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(angle.coordinates()[k]) += loss.moment * slope(k);
+  sum.noteForce(std::abs(loss.moment) * slope.norm());
+  if (!elasticity::withTangent(order)) return;
+  Eigen::MatrixXd block = loss.slope * slope * slope.transpose();
+  if (exact(order)) block += loss.moment * angle.curvature(y);
+  addCouple(block, sum);
 }
 
 }  // namespace
 
-double Turning::angle(const Eigen::VectorXd& y) const { return std::atan2(y(sine), length + y(cosine)); }
+double Turning::angle(const Eigen::VectorXd& y) const { return sign * std::atan2(y(sine), length + y(cosine)); }
 
-HubTerm::HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, const std::vector<int>& nodes, int carrier,
+TurningAngle::TurningAngle(const std::string& asker, std::vector<Turning> bodies) : bodies_(std::move(bodies)) {
+  const common::Require require(asker);
+  require(bodies_.size() == 1 || bodies_.size() == 2, "number of bodies", static_cast<double>(bodies_.size()),
+          "1 or 2");
+  for (const Turning& body : bodies_) coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
+}
+
+double TurningAngle::at(const Eigen::VectorXd& y) const {
+  const double first = bodies_.front().angle(y);
+  return bodies_.size() == 1 ? first : std::remainder(first - bodies_.back().angle(y), 2 * M_PI);
+}
+
+double TurningAngle::between(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const {
+  double turned = 0, sign = 1;
+  for (const Turning& body : bodies_) {
+    turned += sign * std::remainder(body.angle(y) - body.angle(from), 2 * M_PI);
+    sign = -1;
+  }
+  return turned;
+}
+
+Eigen::VectorXd TurningAngle::slope(const Eigen::VectorXd& y) const {
+  Eigen::VectorXd out(2 * bodies_.size());
+  out.head<2>() = slopeOf(bodies_.front(), y).first;
+  if (bodies_.size() == 2) out.tail<2>() = -slopeOf(bodies_.back(), y).first;
+  return out;
+}
+
+Eigen::MatrixXd TurningAngle::curvature(const Eigen::VectorXd& y) const {
+  const auto size = static_cast<Eigen::Index>(2 * bodies_.size());
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(size, size);
+  out.topLeftCorner<2, 2>() = slopeOf(bodies_.front(), y).second;
+  if (bodies_.size() == 2) out.bottomRightCorner<2, 2>() = -slopeOf(bodies_.back(), y).second;
+  return out;
+}
+
+HubTerm::HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, const std::vector<int>& nodes, int point,
                  const Turning& body, double stiffness)
     : name_(std::move(name)), body_(body), stiffness_(stiffness) {
   common::Require(asker(name_))(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0 N m");
   common::Require(asker(name_))(!nodes.empty(), "number of nodes", 0, "at least 1");
-  const auto count = static_cast<Eigen::Index>(2 * nodes.size() + (carrier >= 0 ? 1 : 0));
+  const auto count = static_cast<Eigen::Index>(2 * nodes.size() + 2);
   sine_ = cosine_ = Eigen::VectorXd::Zero(count);
   Eigen::Index k = 0;
   for (const int node : nodes) {
@@ -60,10 +113,11 @@ HubTerm::HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, cons
     coordinates_.push_back(node), coordinates_.push_back(node + 1);
     k += 2;
   }
-  if (carrier >= 0) {
-    for (Eigen::Index n = 1; n < k; n += 2) sine_(k) -= sine_(n), cosine_(k) -= cosine_(n);
-    coordinates_.push_back(carrier);
+  for (Eigen::Index n = 0; n < k; n += 2) {
+    sine_.tail<2>() -= sine_.segment<2>(n);
+    cosine_.tail<2>() -= cosine_.segment<2>(n);
   }
+  coordinates_.push_back(point), coordinates_.push_back(point + 1);
   coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
 }
 
@@ -107,39 +161,31 @@ void HubTerm::evaluate(const solver::Point& at, Order order, Sum& sum) const {
 }
 
 PinFriction::PinFriction(std::string name, std::vector<Turning> bodies, double moment, double rate)
-    : name_(std::move(name)), bodies_(std::move(bodies)), moment_(moment), rate_(rate) {
-  common::Require(asker(name_))(bodies_.size() == 1 || bodies_.size() == 2, "number of bodies",
-                                static_cast<double>(bodies_.size()), "1 or 2");
+    : name_(std::move(name)), angle_(asker(name_), std::move(bodies)), moment_(moment), rate_(rate) {
   common::Require(asker(name_))(moment >= 0 && std::isfinite(moment), "moment", moment, ">= 0 N m");
   common::Require(asker(name_))(rate > 0 && std::isfinite(rate), "rate", rate, "> 0 rad/s");
-  for (const Turning& body : bodies_) coordinates_.push_back(body.cosine), coordinates_.push_back(body.sine);
 }
 
 void PinFriction::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
-  const double h = at.step->h;
-  const auto count = static_cast<Eigen::Index>(coordinates_.size());
-  double turned = 0;
-  Eigen::VectorXd slope(count);
-  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(count, count);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const double sign = k == 0 ? 1 : -1;
-    turned += sign * std::remainder(bodies_[k].angle(at.y) - bodies_[k].angle(at.step->y0), 2 * M_PI);
-    const AngleSlope own = slopeOf(bodies_[k], at.y);
-    const auto first = static_cast<Eigen::Index>(2 * k);
-    slope.segment<2>(first) = sign * own.first;
-    second.block<2, 2>(first, first) = sign * own.second;
-  }
-  const double w = turned / h, root = std::hypot(w, rate_);
-  sum.energy += h * moment_ * (root - rate_);
-  if (order == Order::ENERGY) return;
-  const double force = moment_ * w / root;
-  for (Eigen::Index k = 0; k < count; ++k) sum.gradient(coordinates_[k]) += force * slope(k);
-  sum.noteForce(std::abs(force) * slope.norm());
-  if (!elasticity::withTangent(order)) return;
-  Eigen::MatrixXd block = moment_ * rate_ * rate_ / (root * root * root * h) * slope * slope.transpose();
-  if (exact(order)) block += force * second;
-  addCouple(block, sum);
+  const double h = at.step->h, w = angle_.between(at.step->y0, at.y) / h, root = std::hypot(w, rate_);
+  addLoss(angle_, at.y,
+          {h * moment_ * (root - rate_), moment_ * w / root, moment_ * rate_ * rate_ / (root * root * root * h)}, order,
+          sum);
+}
+
+TurningDrag::TurningDrag(const std::string& name, std::vector<Turning> bodies, double coefficient)
+    : name_(name), angle_(asker(name), std::move(bodies)), coefficient_(coefficient) {
+  common::Require(asker(name_))(coefficient >= 0 && std::isfinite(coefficient), "coefficient", coefficient,
+                                ">= 0 N m s2");
+}
+
+void TurningDrag::evaluate(const solver::Point& at, Order order, Sum& sum) const {
+  if (at.step == nullptr) return;
+  const double h = at.step->h, w = angle_.between(at.step->y0, at.y) / h, fast = std::abs(w);
+  addLoss(angle_, at.y,
+          {h * coefficient_ / 3 * fast * fast * fast, coefficient_ * fast * w, 2 * coefficient_ * fast / h}, order,
+          sum);
 }
 
 SmoothCurve::SmoothCurve(std::vector<double> x, std::vector<double> value, std::vector<double> slope)
@@ -171,20 +217,21 @@ SmoothCurve::Value SmoothCurve::at(double x) const {
   return out;
 }
 
+AngleEnergy::AngleEnergy(const std::string& name, std::vector<Turning> bodies, SmoothCurve energy)
+    : name_(name), angle_(asker(name), std::move(bodies)), energy_(std::move(energy)) {}
+
 void AngleEnergy::evaluate(const solver::Point& at, Order order, Sum& sum) const {
-  const SmoothCurve::Value now = energy_.at(body_.angle(at.y));
+  const SmoothCurve::Value now = energy_.at(angle_.at(at.y));
   sum.energy += now.value;
   sum.stored += now.value;
   if (order == Order::ENERGY) return;
-  const AngleSlope own = slopeOf(body_, at.y);
-  const Eigen::Vector2d force = now.first * own.first;
-  sum.gradient(body_.cosine) += force(0);
-  sum.gradient(body_.sine) += force(1);
-  sum.noteForce(force.norm());
+  const Eigen::VectorXd slope = angle_.slope(at.y);
+  for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(angle_.coordinates()[k]) += now.first * slope(k);
+  sum.noteForce(std::abs(now.first) * slope.norm());
   if (!elasticity::withTangent(order)) return;
   const double kept = exact(order) ? now.second : std::max(0.0, now.second);
-  Eigen::Matrix2d block = kept * own.first * own.first.transpose();
-  if (exact(order)) block += now.first * own.second;
+  Eigen::MatrixXd block = kept * slope * slope.transpose();
+  if (exact(order)) block += now.first * angle_.curvature(at.y);
   addCouple(block, sum);
 }
 

@@ -52,7 +52,9 @@ struct Work {
         vehicle(vehicle::loadVehicle(file.vehicle_file)),
         table(vehicle::armTableOf(vehicle)) {
     file.trial.mount = vehicle::mountFor(vehicle, file.mount, "mount");
-    file.trial.validate();
+    vehicle::Trial checked = file.trial;
+    if (file.six) checked.wings = false;  // the space vehicle has the boom's turning, and says itself what it refuses
+    checked.validate();
     parameters = vehicle::realise(vehicle, table, file.box);
     idle = vehicle::thrustFraction(parameters.quadratic_share, vehicle.radio, 0);
     fraction = fractionOf(file.pulse);
@@ -205,6 +207,9 @@ ordered_json linkageJson(const motion::WingLinkage& w, const motion::AxisSetting
           {"rocker", barJson(w.mass(motion::WingLinkage::ROCKER))},
           {"friction_left", axis.friction_left * w.frictionMoment(true)},
           {"friction_right", axis.friction_right * w.frictionMoment(false)},
+          {"fold_bias", axis.wing_forces.fold_bias},
+          {"fold_stop", axis.wing_forces.fold_stop},
+          {"air", axis.wing_forces.air},
           {"blade_error", w.bladeError()},
           {"follow", axis.wings_follow_travel ? "travel" : "arm"}};
 }
@@ -296,7 +301,8 @@ std::unique_ptr<const motion::TrialVehicle> vehicleOf(const Work& work, const ve
                                                       const motion::AxisSettings& axis) {
   if (work.file.six) {
     return std::make_unique<const motion::SpaceVehicle>(work.vehicle, work.parameters, surroundings, axis,
-                                                        work.file.space);
+                                                        work.file.space,
+                                                        vehicle::wingTableOf(work.vehicle, work.table));
   }
   return std::make_unique<const motion::AxisVehicle>(work.vehicle, work.parameters, surroundings, axis,
                                                      vehicle::wingTableOf(work.vehicle, work.table));

@@ -76,10 +76,9 @@ double WingTable::at(const std::vector<double>& column, double u) const {
 }
 
 void refuseWingsOnBoom(const std::string& who) {
-  throw common::Error(
-      who +
-      ": wings are on and the mount is boom, where the centripetal force turns them, which is not modelled; "
-      "allowed: free, held, or wings off");
+  throw common::Error(who +
+                      ": wings are on and the mount is boom, where the centripetal force turns them, which this model "
+                      "leaves out; allowed: free, held, wings off, or a trial with freedom: six");
 }
 
 }  // namespace snapwing::vehicle

@@ -199,7 +199,7 @@ TEST(TrialFile, ShippedOnesLoadAndBadOnesAreRefusedByKey) {
     EXPECT_EQ(loadTrial(entry.path().string()).name, entry.path().stem().string());
     ++paper;
   }
-  EXPECT_GE(paper, 19);
+  EXPECT_GE(paper, 27);
   EXPECT_THROW(loadTrial("/nowhere.yaml"), common::FileError);
 }
 

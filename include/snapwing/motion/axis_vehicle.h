@@ -60,6 +60,7 @@ struct AxisSettings {
       false;                        ///< true: tied to the static path's rotation at the travel, the lumped model's rule
   std::optional<double> wing_stop;  ///< [N m] per rad in place of the vehicle's wing.stop; 0: none
   double friction_left = 1, friction_right = 1;  ///< [1] times the friction of that wing's pins
+  WingForces wing_forces;                        ///< beside the stop at rest, which is `wing_stop`
   /// As motion in space needs it: axles hold their lines along themselves too, which may slide else, and light cells
   /// have no linear part (elasticity::DensityInterpolation), which would feel a rotation.
   bool in_space = false;
@@ -153,7 +154,7 @@ class AxisVehicle : public TrialVehicle {
 
   vehicle::Trial trial_;
   AxisSettings settings_;
-  double stop_ = 0, wing_stop_ = 0;
+  double stop_ = 0;
   elasticity::PronySeries series_;  ///< empty: no memory
   bool memory_known_ = false;       ///< the vehicle file states one
   std::unique_ptr<scene::CompiledScene> scene_;

@@ -1,11 +1,12 @@
 #pragma once
 /// The vehicle in space: ring and housing as rigid bodies with six degrees of freedom each, joined by all its soft
 /// arms, placed around them; propellers as follower forces at their places. On a boom ring and boom are one body that
-/// turns about the boom's axis, so that centre and arms feel the centripetal load. World axes: y is the thrust axis at
-/// the start, x the way of the first arm (and of the boom, outwards); origin on that axis at the arms' lower edge.
+/// turns about the boom's axis, so that centre, arms and wings feel the centripetal load. World axes: y is the thrust
+/// axis at the start, x the way of the first arm (and of the boom, outwards); origin on that axis at the arms' lower
+/// edge. The first arm carries the left wing, that against it the right one: in the boom's plane, the left one outside.
 ///
-/// Full coordinates are the nodes' displacements in the axes of their arms, then c of ring and housing, then E of both.
-/// kept() and leftOut() say what is in and what is not.
+/// Full coordinates are the nodes' displacements in the axes of their arms, then c of ring, housing and the wings'
+/// bars, then E of them. kept() and leftOut() say what is in and what is not.
 
 #include <map>
 #include <memory>
@@ -31,9 +32,11 @@ struct SpaceSettings {
 class SpaceVehicle : public TrialVehicle {
  public:
   /// @param settings  of the arms, as a solid; damping travel or kelvin_voigt, which do not brake a turning vehicle
-  /// @throws common::Error for wings, planar arms, other laws, a hand
+  /// @param wing  table of the wings, needed if they are on. @throws common::Error for wings in free flight or tied to
+  /// the travel, planar arms, other laws, a hand
   SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
-               const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space);
+               const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space,
+               const std::optional<vehicle::WingTable>& wing = {});
 
   std::shared_ptr<const solver::TermProblem> problem() const override { return problem_; }
   double shareOfVehicle() const override { return 1; }
@@ -42,6 +45,7 @@ class SpaceVehicle : public TrialVehicle {
   double valleyForce() const override { return axis_.valleyForce(); }
   vehicle::ForceTable staticTable() const override { return axis_.staticTable(); }
   double armMass() const override { return axis_.armMass(); }
+  const WingLinkage* linkage() const override { return linkage_.get(); }
   /// The symmetric one, of the model along the axis.
   MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const override;
   Eigen::VectorXd controls(double from, double h, double thrust) const override;
@@ -80,9 +84,21 @@ class SpaceVehicle : public TrialVehicle {
     bool moves = true;  ///< with the vehicle: places do, columns of E do not
   };
   void placeBodies(const vehicle::Vehicle& vehicle);
+  void addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p, const AxisSettings& settings,
+                const std::optional<vehicle::WingTable>& wing);
+  int armOfWing(int wing) const { return wing == 0 ? 0 : arms_ / 2; }
+  std::vector<std::shared_ptr<const solver::Term>> wingForces(const AxisSettings& settings);
   void findArrows();
   std::vector<solver::Equation> equations() const;
-  void addFollowing(int dof, double factor, const RigidBody& body, std::map<int, double>& terms) const;
+  void join(solver::TermProblem::Parts& parts) const;
+  /// Component of what a part of a body moves by, in the axes of an arm.
+  struct Followed {
+    Eigen::Vector3d rest;  ///< in the world [m]
+    int arm = 0, axis = 0;
+  };
+  void addFollowing(const Followed& at, double factor, const RigidBody& body, std::map<int, double>& terms) const;
+  Turning ringTurningAbout(int arm) const;
+  double wingAngle(const MotionState& s, int wing, const Eigen::VectorXd& in_ring_frame) const;
   std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p) const;
   std::vector<std::shared_ptr<const solver::Term>> forces(const vehicle::VehicleParameters& p) const;
   std::vector<std::shared_ptr<const solver::Term>> propellers(const vehicle::VehicleParameters& p) const;
@@ -97,13 +113,18 @@ class SpaceVehicle : public TrialVehicle {
   vehicle::Trial trial_;
   SpaceSettings space_;
   AxisVehicle axis_;
-  int rotors_ = 0, arms_ = 0, nodes_ = 0, per_arm_ = 0;
+  int rotors_ = 0, arms_ = 0, nodes_ = 0, per_arm_ = 0, full_ = 0;
   double max_thrust_ = 0, mass_ = 0, half_ = 0, boom_ = 0, rotor_radius_ = 0, housing_height_ = 0, stop_ = 0;
   double stop_stiffness_ = 0, restitution_ = 0;
   std::unique_ptr<scene::CompiledScene> scene_;
   std::vector<Eigen::Matrix3d> turned_;  ///< axes of each arm in the world
   std::vector<Eigen::Vector3d> origin_;
   RigidBody ring_, housing_;
+  std::shared_ptr<const WingLinkage> linkage_;
+  WingAssembly wings_;
+  WingForces wing_forces_;
+  Eigen::Vector3d axle_ = Eigen::Vector3d::Zero();  ///< of an arm, in its axes [m]
+  std::vector<std::shared_ptr<const HubTerm>> hubs_;
   Eigen::Vector3d ring_centre_ = Eigen::Vector3d::Zero();
   std::vector<Arrow> arrows_;
   solver::SpacePoint hub_, strut_;  ///< the ring's centre; from a point of the housing to one of the ring

@@ -24,8 +24,9 @@ struct AxisSample {
   /// Rotations of the wings from rest [rad], and the largest angle between a crank and its arm; NaN without wings.
   double wing_left = std::numeric_limits<double>::quiet_NaN(), wing_right = wing_left, hub_twist = wing_left;
   /// In six degrees of freedom, else NaN: angle of the thrust axis to that of the start and of the housing to the ring
-  /// [rad], how far the ring has drifted across that axis [m], rate of its turning [rad/s].
-  double tilt = wing_left, housing_tilt = wing_left, drift = wing_left, turn_rate = wing_left;
+  /// [rad], how far the ring has drifted across that axis [m], rate of its turning [rad/s], how far the centre is off
+  /// the ring's axis [m].
+  double tilt = wing_left, housing_tilt = wing_left, drift = wing_left, turn_rate = wing_left, centre_off = wing_left;
   double thrust = 0;                                                  ///< [N]
   double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
   double relative_kinetic = wing_left;  ///< [J] less that of the common speed: of the travel; NaN in six degrees

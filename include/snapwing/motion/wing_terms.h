@@ -1,6 +1,6 @@
 #pragma once
 /// What joins rigid bodies that turn about z with a soft arm and with each other, on the entries E = L (R - 1) of their
-/// rotations. Angles are atan2(E_10, L + E_00).
+/// rotations. Angles are atan2(E_10, L + E_00), about z of the plane that they are counted in.
 
 #include <Eigen/Core>
 #include <string>
@@ -17,7 +17,26 @@ struct Turning {
   int cosine = 0;                                ///< coordinate of E_00 [m]
   int sine = 0;                                  ///< coordinate of E_10 [m]
   double length = 1;                             ///< L [m]
+  double sign = 1;                               ///< -1: the entries are of a rotation about -z of that plane
   double angle(const Eigen::VectorXd& y) const;  ///< in (-pi, pi] [rad]
+};
+
+/// The angle of a body, or of the first of two by the second's.
+class TurningAngle {
+ public:
+  TurningAngle() = default;
+  /// @throws common::Error unless there are one or two
+  TurningAngle(const std::string& asker, std::vector<Turning> bodies);
+  const std::vector<int>& coordinates() const { return coordinates_; }
+  double at(const Eigen::VectorXd& y) const;                                    ///< in [-pi, pi] [rad]
+  double between(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const;  ///< how far it turned, each body by
+                                                                                ///< less than half a turn [rad]
+  Eigen::VectorXd slope(const Eigen::VectorXd& y) const;                        ///< by coordinates() [1/m]
+  Eigen::MatrixXd curvature(const Eigen::VectorXd& y) const;                    ///< [1/m2]
+
+ private:
+  std::vector<Turning> bodies_;
+  std::vector<int> coordinates_;
 };
 
 /// Holds a body in the mean rotation of a soft body's nodes about a point: k/2 g^2 with
@@ -28,9 +47,9 @@ class HubTerm : public solver::Term {
   /// @param rotation_at_rest  of the mean rotation by the coordinates, (coordinate, slope [1/m]) of nodes on circles
   ///        about the point: x and y of one node follow each other in `nodes`
   /// @param nodes    x coordinates of these nodes, (each y is the next coordinate)
-  /// @param carrier  coordinate that moves nodes along y without turning them; -1: none
+  /// @param point    x coordinate of the point, whose motion does not turn them
   /// @param stiffness [N m] > 0. @throws common::Error
-  HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, const std::vector<int>& nodes, int carrier,
+  HubTerm(std::string name, const Eigen::VectorXd& rotation_at_rest, const std::vector<int>& nodes, int point,
           const Turning& body, double stiffness);
   std::string name() const override { return name_; }
   Role role() const override { return Role::STORED; }
@@ -43,7 +62,7 @@ class HubTerm : public solver::Term {
   Eigen::VectorXd pick(const Eigen::VectorXd& y) const;
 
   std::string name_;
-  std::vector<int> coordinates_;   ///< of nodes and carrier, then the body's two
+  std::vector<int> coordinates_;   ///< of nodes and point, then the body's two
   Eigen::VectorXd sine_, cosine_;  ///< slopes of s/N and c/N by all but the body's two [1/m]
   Turning body_;
   double stiffness_;
@@ -53,19 +72,34 @@ class HubTerm : public solver::Term {
 /// mean rate of the angle between them.
 class PinFriction : public solver::Term {
  public:
-  /// @param bodies  one, or two whose difference counts; @param moment  M [N m] >= 0; @param rate  w_0 [rad/s] > 0
+  /// @param bodies  as of TurningAngle; @param moment  M [N m] >= 0; @param rate  w_0 [rad/s] > 0
   /// @throws common::Error
   PinFriction(std::string name, std::vector<Turning> bodies, double moment, double rate);
   std::string name() const override { return name_; }
   Role role() const override { return Role::DISSIPATION; }
-  std::vector<std::vector<int>> couples() const override { return {coordinates_}; }
+  std::vector<std::vector<int>> couples() const override { return {angle_.coordinates()}; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
 
  private:
   std::string name_;
-  std::vector<Turning> bodies_;
-  std::vector<int> coordinates_;
+  TurningAngle angle_;
   double moment_, rate_;
+};
+
+/// Moment of the air against the turning of a body, or of one by another: h k/3 |w|^3, w the step's mean rate.
+class TurningDrag : public solver::Term {
+ public:
+  /// @param bodies  as of TurningAngle; @param coefficient  k [N m s2] >= 0. @throws common::Error
+  TurningDrag(const std::string& name, std::vector<Turning> bodies, double coefficient);
+  std::string name() const override { return name_; }
+  Role role() const override { return Role::DISSIPATION; }
+  std::vector<std::vector<int>> couples() const override { return {angle_.coordinates()}; }
+  void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
+
+ private:
+  std::string name_;
+  TurningAngle angle_;
+  double coefficient_;
 };
 
 /// A smooth curve through points: cubics with given slopes, straight beyond the ends.
@@ -83,20 +117,19 @@ class SmoothCurve {
   std::vector<double> x_, value_, slope_;
 };
 
-/// Elastic energy against the angle of a body [J].
+/// Elastic energy against an angle [J].
 class AngleEnergy : public solver::Term {
  public:
-  /// @param energy  by the angle [rad] in (-pi, pi)
-  AngleEnergy(std::string name, const Turning& body, SmoothCurve energy)
-      : name_(std::move(name)), body_(body), energy_(std::move(energy)) {}
+  /// @param bodies  as of TurningAngle; @param energy  by the angle [rad] in (-pi, pi). @throws common::Error
+  AngleEnergy(const std::string& name, std::vector<Turning> bodies, SmoothCurve energy);
   std::string name() const override { return name_; }
   Role role() const override { return Role::STORED; }
-  std::vector<std::vector<int>> couples() const override { return {{body_.cosine, body_.sine}}; }
+  std::vector<std::vector<int>> couples() const override { return {angle_.coordinates()}; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
 
  private:
   std::string name_;
-  Turning body_;
+  TurningAngle angle_;
   SmoothCurve energy_;
 };
 
