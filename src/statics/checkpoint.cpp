@@ -9,7 +9,7 @@ namespace snapwing::statics {
 
 namespace {
 
-const std::string MAGIC = "snapwing checkpoint 2\n";
+const std::string MAGIC = "snapwing checkpoint 3\n";
 
 using common::BytesReader;
 using common::BytesWriter;

@@ -169,7 +169,8 @@ void writeVtu(const std::string& folder, const scene::CompiledScene& compiled, c
   }
 }
 
-/// Writes what was reached, at most once a second, and removes it at the end of a good run.
+/// Writes what was reached, at most once a second and for at most a twentieth of the time, and removes it at the end of a
+/// good run.
 class Checkpoints {
  public:
   Checkpoints(const CurveOptions& options, const scene::Scene& scene)
@@ -190,7 +191,7 @@ class Checkpoints {
   const statics::SceneCurve* known() const { return known_.get(); }
   void reached(const statics::SceneCurve& sofar, bool at_once) {
     const auto now = std::chrono::steady_clock::now();
-    if (file_.empty() || (!at_once && now - last_ < std::chrono::seconds(1))) return;
+    if (file_.empty() || (!at_once && now < next_)) return;
     try {
       statics::saveCheckpoint(sofar, hash_, file_);
     } catch (const common::FileError& e) {
@@ -198,7 +199,8 @@ class Checkpoints {
       if (!warned_) std::fprintf(stderr, "\nsnapwing curve: warning: no checkpoint: %s\n", e.what());
       warned_ = true;
     }
-    last_ = now;
+    const auto end = std::chrono::steady_clock::now();
+    next_ = end + std::max<std::chrono::steady_clock::duration>(PAUSE, 20 * (end - now));
   }
   void finished() const {
     std::error_code none;
@@ -206,10 +208,11 @@ class Checkpoints {
   }
 
  private:
+  static constexpr std::chrono::seconds PAUSE{1};
   std::string hash_, file_;
   bool warned_ = false;
   std::unique_ptr<statics::SceneCurve> known_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + PAUSE;
 };
 
 statics::TraceSettings traceSettings(const CurveOptions& options) {
