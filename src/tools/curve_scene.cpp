@@ -1,4 +1,5 @@
 // `snapwing curve SCENE`: rung, resolution, checkpoints, features and summary of a traced scene.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -169,8 +170,7 @@ void writeVtu(const std::string& folder, const scene::CompiledScene& compiled, c
   }
 }
 
-/// Writes what was reached, at most once a second and for at most a twentieth of the time, and removes it at the end of a
-/// good run.
+/// Writes what was reached, at most once a second and for a twentieth of the time; removes it at the end of a good run.
 class Checkpoints {
  public:
   Checkpoints(const CurveOptions& options, const scene::Scene& scene)
