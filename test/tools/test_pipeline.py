@@ -131,7 +131,7 @@ class Pipeline(Case):
         self.assertIn("settings", self.refusal("design", "arm"))
         (self.folder / "mine").mkdir()
         self.file("mine/thing", "a")
-        self.assertIn("holds files of something else", self.refusal(*self.words(vehicle, "mine")))
+        self.assertIn("holds foreign files", self.refusal(*self.words(vehicle, "mine")))
         self.assertEqual([p.name for p in (self.folder / "mine").iterdir()], ["thing"])
         self.assertIn("no_such.csv", self.refusal(*self.words(vehicle, "x", "--density", "no_such.csv")))
         own = self.file("vehicle.yaml", vehicle.read_text())
