@@ -30,7 +30,7 @@ class DesignRuns(unittest.TestCase):
     def test_the_front_varies_the_bounds_and_not_the_targets(self):
         text = script("pareto_arm").variation(1.15, 0.4, 0.475)
         self.assertEqual(len(text.splitlines()), len(self.base.splitlines()))
-        self.assertEqual(changed(self.base, text), ["bound", "peak_force", "valley_force", "printing_error", "quadratic_cell_sizes"])
+        self.assertEqual(changed(self.base, text), ["bound", "peak_force", "peak_share_least", "valley_force", "printing_error", "quadratic_cell_sizes"])
         for line in ("  bound: 0.4750", "  peak_force: 1.1500", "  valley_force: 0.4000"):
             self.assertEqual(len(re.findall(f"^{re.escape(line)}", text, re.MULTILINE)), 1, line)
 

@@ -92,6 +92,7 @@ void readTargets(SettingsReader& root, ArmDesignSettings& s) {
   objective.finish();
   SettingsReader bounds = root.map("bounds");
   s.peak_bound = bounds.number("peak_force", {1e-3, 1e3}, "N per arm");
+  s.peak_share_least = bounds.numberOr("peak_share_least", 0, {0, 0.99}, "1");
   s.peak_travels = travels(bounds, "peak_travels", largest);
   s.valley_bound = bounds.number("valley_force", {1e-3, 1e3}, "N per arm");
   s.valley_travels = travels(bounds, "valley_travels", largest);

@@ -97,6 +97,11 @@ void ArmTopology::makeBounds() {
     std::snprintf(text, sizeof text, "R(%g m) <= %g N", u, s.peak_bound);
     bounds_.push_back({indexOf(u), -1, 1 / s.peak_bound, 0, Quantity::FORCE, text});
   }
+  if (s.peak_share_least > 0) {
+    const double least = s.peak_share_least * s.peak_bound;
+    std::snprintf(text, sizeof text, "R(%g m) >= %g N", s.peak_travel, least);
+    bounds_.push_back({indexOf(s.peak_travel), -1, -1 / least, 0, Quantity::FORCE, text, -1});
+  }
   for (const double u : s.valley_travels) {
     std::snprintf(text, sizeof text, "R(%g m) >= %g N", u, -s.valley_bound);
     bounds_.push_back({indexOf(u), -1, -1 / s.valley_bound, 0, Quantity::FORCE, text});

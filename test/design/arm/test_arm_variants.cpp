@@ -56,9 +56,10 @@ TEST(ArmLimits, RotationAndMeanForceHaveExactGradients) {
     s.rotation_bound = {0.10, 0.20};
     s.rotation_travels = {0.010, 0.020};
     s.compliance_force = 0;
-    // objective, peak, valley, rotation at two travels from both sides, volume
+    s.peak_share_least = 0.8;
+    // objective, peak from both sides, valley, rotation at two travels from both sides, volume
     const GradientCheck check = checkArmGradients(s, 0.5);
-    expectGoodGradients(check, 8);
+    expectGoodGradients(check, 9);
     // A central difference's error falls with the square of its step, wherever it is not rounding yet.
     for (const GradientRow& row : check.rows) EXPECT_LT(row.relative_errors[1], 1e-3) << row.quantity;
   }
@@ -92,6 +93,23 @@ TEST(ArmLimits, RotationAndMeanForceAreThoseOfTheCheck) {
   const double mean = (to.energy - from.energy) / 0.008;
   EXPECT_NEAR(at.objective * s.peak_bound, mean - peak.force, 1e-7);
   EXPECT_GT(mean, 0);
+}
+
+TEST(ArmBounds, ThePeakKeepsItsShareOfTheUpperBound) {
+  ArmDesignSettings s = tiny();
+  const auto constraintsOf = [](const ArmDesignSettings& settings) {
+    ArmTopology problem(settings, 0, 1e-12);
+    problem.beginIteration(0, 4);
+    const Evaluated at = problem.evaluate(problem.start(), false);
+    EXPECT_TRUE(at.valid) << at.message;
+    return at.constraints;
+  };
+  s.peak_travels = {s.peak_travel};
+  const double share_there = constraintsOf(s)(0) + 1;
+  s.peak_share_least = 0.8;
+  const Eigen::VectorXd with = constraintsOf(s);
+  EXPECT_NEAR(with(0), share_there - 1, 1e-9);
+  EXPECT_NEAR(with(1), 1 - share_there / 0.8, 1e-9);
 }
 
 TEST(ArmLimits, StrainBoundsTheLargestStretch) {

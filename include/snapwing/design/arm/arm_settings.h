@@ -65,6 +65,7 @@ struct ArmDesignSettings {
   double compliance_force = 1;                         ///< [N] pulled against the snap; 0: no such term
   std::vector<double> peak_travels{0.010};             ///< [m] where R <= peak_bound
   double peak_bound = 1.0;                             ///< [N]
+  double peak_share_least = 0;                         ///< R(peak_travel) >= this share of peak_bound; 0: no such bound
   std::vector<double> valley_travels{0.034, 0.040, 0.044, 0.048};  ///< [m] where R >= -valley_bound
   double valley_bound = 0.3;                                       ///< [N]
   std::vector<double> slope_travels;  ///< [m] between neighbours of these the force falls by at most ...
