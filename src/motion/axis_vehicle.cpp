@@ -149,7 +149,6 @@ std::vector<std::shared_ptr<const Term>> AxisVehicle::wingForces() {
 
 /// Coordinates, and what of the wings' closed chains is kept as equations.
 void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
-  constexpr double PENALTY = 10, GAP = 1e-12;  // [N/m] of the size of a bar's weight in long steps; [m]
   std::vector<solver::Equation> equations = armEquations();
   const std::vector<solver::Equation> more = wings_.equations([&](int, const Eigen::Vector2d&, int axis) {
     const bool carried = ring_ >= 0 && axis == 1;
@@ -162,9 +161,7 @@ void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
       solver::splitEquations(centre_ + 1, controlCount(), equations, false, first, wings_.rotationCount(), entries);
   parts.coordinates =
       std::make_shared<const solver::Coordinates>(split.eliminated, settings_.dimension, wings_.rotations());
-  if (split.kept.count() == 0) return;
-  parts.constraints =
-      std::make_shared<const solver::Constraints>(split.kept, solver::Enforcement::MULTIPLIERS, share_ * PENALTY, GAP);
+  parts.constraints = WingAssembly::chains(split.kept, share_);
 }
 
 /// Node blocks of the arm; ring and centre are coupled by terms alone.

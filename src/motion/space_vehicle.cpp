@@ -192,15 +192,12 @@ std::vector<std::shared_ptr<const Term>> SpaceVehicle::wingForces(const AxisSett
 
 /// Coordinates, and what of the wings' closed chains is kept as equations.
 void SpaceVehicle::join(solver::TermProblem::Parts& parts) const {
-  constexpr double PENALTY = 10, GAP = 1e-12;  // as along the axis
   std::vector<solver::Rotation> rotations{ring_.rotation, housing_.rotation};
   for (const solver::Rotation& bar : wings_.rotations()) rotations.push_back(bar);
   const solver::SplitEquations split = solver::splitEquations(full_, rotors_, equations(), false, ring_.rotation.first,
                                                               static_cast<int>(rotations.size()), 9);
   parts.coordinates = std::make_shared<const solver::Coordinates>(split.eliminated, 3, rotations);
-  if (split.kept.count() == 0) return;
-  parts.constraints =
-      std::make_shared<const solver::Constraints>(split.kept, solver::Enforcement::MULTIPLIERS, PENALTY, GAP);
+  parts.constraints = WingAssembly::chains(split.kept, 1);
 }
 
 void SpaceVehicle::findArrows() {

@@ -84,6 +84,12 @@ std::vector<Equation> WingAssembly::equations(const OnRing& on_ring) const {
   return out;
 }
 
+std::shared_ptr<const solver::Constraints> WingAssembly::chains(const solver::LinearRows& kept, double share) {
+  constexpr double PENALTY = 10, GAP = 1e-12;  // [N/m] of the size of a bar's weight in long steps; [m]
+  if (kept.count() == 0) return nullptr;
+  return std::make_shared<const solver::Constraints>(kept, solver::Enforcement::MULTIPLIERS, share * PENALTY, GAP);
+}
+
 std::vector<std::shared_ptr<const Term>> WingAssembly::inertia() const {
   constexpr const char* NAMES[3] = {"crank", "wing", "rocker"};
   const std::vector<solver::Rotation> turns = rotations();

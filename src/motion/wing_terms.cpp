@@ -41,20 +41,20 @@ AngleSlope slopeOf(const Turning& body, const Eigen::VectorXd& y) {
   return out;
 }
 
-/// A loss by the angle that a step turns: its potential [J], moment [N m] and the moment's slope [N m].
-struct TurningLoss {
+/// What depends on an angle alone: its potential [J], moment [N m] and the moment's slope [N m].
+struct OfAngle {
   double potential, moment, slope;
 };
 
-void addLoss(const TurningAngle& angle, const Eigen::VectorXd& y, const TurningLoss& loss, Order order, Sum& sum) {
-  sum.energy += loss.potential;
+void addOfAngle(const TurningAngle& angle, const Eigen::VectorXd& y, const OfAngle& of, Order order, Sum& sum) {
+  sum.energy += of.potential;
   if (order == Order::ENERGY) return;
   const Eigen::VectorXd slope = angle.slope(y);
-  for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(angle.coordinates()[k]) += loss.moment * slope(k);
-  sum.noteForce(std::abs(loss.moment) * slope.norm());
+  for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(angle.coordinates()[k]) += of.moment * slope(k);
+  sum.noteForce(std::abs(of.moment) * slope.norm());
   if (!elasticity::withTangent(order)) return;
-  Eigen::MatrixXd block = loss.slope * slope * slope.transpose();
-  if (exact(order)) block += loss.moment * angle.curvature(y);
+  Eigen::MatrixXd block = of.slope * slope * slope.transpose();
+  if (exact(order)) block += of.moment * angle.curvature(y);
   addCouple(block, sum);
 }
 
@@ -169,9 +169,9 @@ PinFriction::PinFriction(std::string name, std::vector<Turning> bodies, double m
 void PinFriction::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
   const double h = at.step->h, w = angle_.between(at.step->y0, at.y) / h, root = std::hypot(w, rate_);
-  addLoss(angle_, at.y,
-          {h * moment_ * (root - rate_), moment_ * w / root, moment_ * rate_ * rate_ / (root * root * root * h)}, order,
-          sum);
+  addOfAngle(angle_, at.y,
+             {h * moment_ * (root - rate_), moment_ * w / root, moment_ * rate_ * rate_ / (root * root * root * h)},
+             order, sum);
 }
 
 TurningDrag::TurningDrag(const std::string& name, std::vector<Turning> bodies, double coefficient)
@@ -183,9 +183,9 @@ TurningDrag::TurningDrag(const std::string& name, std::vector<Turning> bodies, d
 void TurningDrag::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
   const double h = at.step->h, w = angle_.between(at.step->y0, at.y) / h, fast = std::abs(w);
-  addLoss(angle_, at.y,
-          {h * coefficient_ / 3 * fast * fast * fast, coefficient_ * fast * w, 2 * coefficient_ * fast / h}, order,
-          sum);
+  addOfAngle(angle_, at.y,
+             {h * coefficient_ / 3 * fast * fast * fast, coefficient_ * fast * w, 2 * coefficient_ * fast / h}, order,
+             sum);
 }
 
 SmoothCurve::SmoothCurve(std::vector<double> x, std::vector<double> value, std::vector<double> slope)
@@ -222,17 +222,9 @@ AngleEnergy::AngleEnergy(const std::string& name, std::vector<Turning> bodies, S
 
 void AngleEnergy::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   const SmoothCurve::Value now = energy_.at(angle_.at(at.y));
-  sum.energy += now.value;
   sum.stored += now.value;
-  if (order == Order::ENERGY) return;
-  const Eigen::VectorXd slope = angle_.slope(at.y);
-  for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(angle_.coordinates()[k]) += now.first * slope(k);
-  sum.noteForce(std::abs(now.first) * slope.norm());
-  if (!elasticity::withTangent(order)) return;
-  const double kept = exact(order) ? now.second : std::max(0.0, now.second);
-  Eigen::MatrixXd block = kept * slope * slope.transpose();
-  if (exact(order)) block += now.first * angle_.curvature(at.y);
-  addCouple(block, sum);
+  const double slope = exact(order) ? now.second : std::max(0.0, now.second);
+  addOfAngle(angle_, at.y, {now.value, now.first, slope}, order, sum);
 }
 
 TravelHub::TravelHub(std::string name, const Turning& body, solver::Row travel, SmoothCurve curve, double stiffness)

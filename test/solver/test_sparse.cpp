@@ -35,19 +35,28 @@ void chain(int n, double shift, SparsePattern& pattern, std::vector<double>& val
   }
 }
 
-/// A matrix without zeros: n on the diagonal, and little beside it.
-void full(int n, SparsePattern& pattern, std::vector<double>& values) {
+/// The lower triangle of a matrix, without its zeros.
+void lowerTriangle(const Eigen::MatrixXd& dense, SparsePattern& pattern, std::vector<double>& values) {
+  const auto n = static_cast<int>(dense.rows());
   pattern = {};
   values.clear();
   pattern.size = n;
   pattern.start = {0};
   for (int c = 0; c < n; ++c) {
     for (int r = c; r < n; ++r) {
+      if (dense(r, c) == 0) continue;
       pattern.row.push_back(r);
-      values.push_back(r == c ? n : std::sin(r + 0.7 * c));
+      values.push_back(dense(r, c));
     }
     pattern.start.push_back(pattern.entries());
   }
+}
+
+/// A matrix without zeros: n on the diagonal, and little beside it.
+void full(int n, SparsePattern& pattern, std::vector<double>& values) {
+  lowerTriangle(Eigen::MatrixXd::NullaryExpr(
+                    n, n, [n](Eigen::Index r, Eigen::Index c) -> double { return r == c ? n : std::sin(r + 0.7 * c); }),
+                pattern, values);
 }
 
 /// Springs between the neighbours of a square grid, diagonals included, each of its own stiffness.
@@ -70,18 +79,7 @@ void net(int side, SparsePattern& pattern, std::vector<double>& values, Eigen::M
       if (i > 0 && j + 1 < side) couple(here, here + side - 1);
     }
   }
-  pattern = {};
-  values.clear();
-  pattern.size = n;
-  pattern.start = {0};
-  for (int c = 0; c < n; ++c) {
-    for (int r = c; r < n; ++r) {
-      if (dense(r, c) == 0) continue;
-      pattern.row.push_back(r);
-      values.push_back(dense(r, c));
-    }
-    pattern.start.push_back(pattern.entries());
-  }
+  lowerTriangle(dense, pattern, values);
 }
 
 TEST(Cholesky, SolvesNetsOfEverySize) {

@@ -12,6 +12,7 @@
 
 #include "snapwing/motion/wing_linkage.h"
 #include "snapwing/motion/wing_terms.h"
+#include "snapwing/solver/constraints.h"
 #include "snapwing/solver/reduction.h"
 #include "snapwing/solver/rotation.h"
 
@@ -50,6 +51,8 @@ class WingAssembly {
   int rotationCount() const { return bodies(); }
   std::vector<solver::Rotation> rotations() const;
   std::vector<solver::Equation> equations(const OnRing& on_ring) const;
+  /// What the elimination kept of the closed chains. @param share  of the vehicle that the problem is; null: nothing
+  static std::shared_ptr<const solver::Constraints> chains(const solver::LinearRows& kept, double share);
   std::vector<std::shared_ptr<const solver::Term>> inertia() const;
   /// Friction at the pins, each its own, and stored energy, if the bars have any.
   std::vector<std::shared_ptr<const solver::Term>> pins() const;
