@@ -55,11 +55,17 @@ if(SNAPWING_TESTS OR SNAPWING_BENCH)
   target_compile_definitions(snapwing_test_paths PRIVATE SNAPWING_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
 
+if(SNAPWING_TESTS)
+  add_library(snapwing_test_main STATIC ${PROJECT_SOURCE_DIR}/test/support/main.cpp)
+  target_link_libraries(snapwing_test_main PUBLIC GTest::gtest)
+  snapwing_compile_settings(snapwing_test_main)
+endif()
+
 # snapwing_add_gtest(<name> SOURCES a.cpp ... LINKS <target> ...): every case becomes one ctest test.
 function(snapwing_add_gtest name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINKS} snapwing_test_paths GTest::gtest GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} snapwing_test_paths snapwing_test_main)
   snapwing_compile_settings(${name})
   snapwing_precompile(${name} test)
   gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
