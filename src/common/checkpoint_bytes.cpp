@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "snapwing/common/error.h"
+#include "snapwing/common/json_text.h"
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
 
@@ -41,25 +42,49 @@ void BytesReader::take(void* to, std::size_t size) {
 
 void BytesReader::damaged() const { throw FileError(path_, "the checkpoint is damaged"); }
 
-void saveCheckpointBytes(const std::string& bytes, const std::string& kind, const std::string& owner,
-                         const std::string& path) {
-  writeFileAtomically(path, kind + owner + sha256(bytes) + bytes);
+namespace {
+
+constexpr std::size_t DIGITS = 64;
+
+/// Its line up to the version, the last word.
+std::string withoutVersion(const std::string& kind) { return kind.substr(0, kind.rfind(' ') + 1); }
+
+/// Takes the first line from the file. @return the line with its end; empty if the file has none
+std::string takeLine(std::string* file) {
+  const std::size_t end = file->find('\n');
+  if (end == std::string::npos) return {};
+  std::string line = file->substr(0, end + 1);
+  file->erase(0, end + 1);
+  return line;
 }
 
-std::string loadCheckpointBytes(const std::string& path, const std::string& kind, const std::string& owner,
-                                const std::string& what) {
-  constexpr std::size_t DIGITS = 64;
-  const std::string file = readFile(path);
-  if (file.size() < kind.size() + 2 * DIGITS || file.compare(0, kind.size(), kind) != 0) {
-    throw FileError(path, "no checkpoint of this version");
+}  // namespace
+
+OtherProgramError::OtherProgramError(const std::string& path, const std::string& wrote, const std::string& reads)
+    : FileError(path, "was written by another program (" + wrote + ", this is " + reads + ")") {}
+
+void saveCheckpointBytes(const std::string& bytes, const std::string& kind, const std::string& program,
+                         const std::string& owner, const std::string& path) {
+  writeFileAtomically(path, kind + program + "\n" + owner + sha256(bytes) + bytes);
+}
+
+std::string loadCheckpointBytes(const std::string& path, const std::string& kind, const std::string& program,
+                                const std::string& owner, const std::string& what) {
+  std::string rest = readFile(path);
+  const std::string found = takeLine(&rest);
+  if (found != kind) {
+    if (withoutVersion(found) != withoutVersion(kind)) throw FileError(path, "no checkpoint of this kind");
+    throw OtherProgramError(path, "whose checkpoints have another format", program);
   }
-  if (file.compare(kind.size(), DIGITS, owner) != 0) {
+  std::string wrote = takeLine(&rest);
+  if (rest.size() < 2 * DIGITS) throw FileError(path, "the checkpoint is damaged");
+  wrote.pop_back();
+  if (wrote != program) throw OtherProgramError(path, shownBytes(wrote), program);
+  if (rest.compare(0, DIGITS, owner) != 0) {
     throw FileError(path, "the checkpoint belongs to " + what + "; remove it to start again");
   }
-  std::string bytes = file.substr(kind.size() + 2 * DIGITS);
-  if (file.compare(kind.size() + DIGITS, DIGITS, sha256(bytes)) != 0) {
-    throw FileError(path, "the checkpoint is damaged");
-  }
+  std::string bytes = rest.substr(2 * DIGITS);
+  if (rest.compare(DIGITS, DIGITS, sha256(bytes)) != 0) throw FileError(path, "the checkpoint is damaged");
   return bytes;
 }
 

@@ -7,6 +7,7 @@
 
 #include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/common/hdf5_file.h"
+#include "snapwing/common/program_code.h"
 
 namespace snapwing::motion {
 
@@ -58,7 +59,9 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 7\n";
+const std::string MAGIC = "snapwing trial checkpoint 8\n";
+
+std::string program() { return common::programOf(&MAGIC); }
 
 using common::BytesReader;
 using common::BytesWriter;
@@ -182,11 +185,11 @@ void saveSeries(const std::vector<AxisSample>& samples, const TrialVehicle& vehi
 void saveTrialCheckpoint(const AxisRun& run, const std::string& hash, const std::string& path) {
   BytesWriter writer;
   put(writer, run);
-  common::saveCheckpointBytes(writer.bytes(), MAGIC, hash, path);
+  common::saveCheckpointBytes(writer.bytes(), MAGIC, program(), hash, path);
 }
 
 AxisRun loadTrialCheckpoint(const std::string& path, const std::string& hash) {
-  BytesReader reader(common::loadCheckpointBytes(path, MAGIC, hash, "another trial or vehicle"), path);
+  BytesReader reader(common::loadCheckpointBytes(path, MAGIC, program(), hash, "another trial or vehicle"), path);
   return take(reader);
 }
 

@@ -7,6 +7,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/design/design_program.h"
 
 namespace snapwing::pipeline {
 
@@ -57,7 +58,7 @@ ArmStages::ArmStages(const DesignPipelineSettings& settings, const DesignPipelin
 }
 
 Inputs ArmStages::madeOf() const {
-  return {{"snapwing", common::version()},
+  return {{"program", design::designProgram()},
           {"vehicle file", settings_.vehicle.sha256},
           {"arm settings", common::sha256OfFile(settings_file_)}};
 }

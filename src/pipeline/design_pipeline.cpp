@@ -9,6 +9,7 @@
 
 #include "arm_stages.h"
 #include "snapwing/common/error.h"
+#include "snapwing/common/program_code.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/design/wing/wing_outcome.h"
 #include "snapwing/pipeline/validate_vehicle.h"
@@ -27,6 +28,8 @@ namespace fs = std::filesystem;
 
 constexpr char WING_FILE[] = "wing/wing.yaml", WING_TABLE[] = "wing/wing_table.h5", VEHICLE_FILE[] = "vehicle.yaml",
                VALIDATION[] = "validation/validation.json", REPORT[] = "validation/report.html";
+
+const char HERE = 0;  // in this library, which stands on all that plans and validates
 
 std::string planName(Mode start) { return start == Mode::FIXED_WING ? "plan_f_to_q.json" : "plan_q_to_f.json"; }
 
@@ -183,7 +186,7 @@ class DesignPipeline {
   }
 
   Inputs ofVehicle() const {
-    Inputs inputs = {{"snapwing", common::version()},
+    Inputs inputs = {{"program", common::programOf(&HERE)},
                      {"vehicle file", made_.sha256},
                      {"arm's body", hash(ARM_BODY)},
                      {"arm's table", hash(ARM_TABLE)}};
@@ -226,6 +229,7 @@ class DesignPipeline {
       if (settings_.threads > 0) job.settings.threads = settings_.threads;
       job.command = "snapwing design arm --into " + settings_.folder;
       job.cancelled = hooks_.cancelled;
+      job.note = hooks_.warning;
       job.progress = [this](int done, int all, const std::string& what) {
         stages_->working(what, all > 0 ? static_cast<double>(done) / all : std::nan(""));
       };

@@ -16,7 +16,8 @@ using nlohmann::ordered_json;
 using validation::Verdict;
 namespace fs = std::filesystem;
 
-constexpr char NOTES[] = "stages";  // folder of the notes
+constexpr char NOTES[] = "stages";     // folder of the notes
+constexpr char INPUTS_NAME_IT[] = "";  // the program: of each stage another one, so that it is one of its inputs
 
 /// The folder of the notes, made only in a folder that is new, empty or this run's own.
 std::string notesIn(const std::string& folder) {
@@ -85,7 +86,11 @@ std::string differences(const ordered_json& note, const Inputs& now) {
 }  // namespace
 
 Stages::Stages(std::string folder, int count, std::function<void(const StageProgress&)> told)
-    : folder_(std::move(folder)), kept_(notesIn(folder_)), lock_(folder_), count_(count), told_(std::move(told)) {}
+    : folder_(std::move(folder)),
+      kept_(notesIn(folder_), INPUTS_NAME_IT),
+      lock_(folder_),
+      count_(count),
+      told_(std::move(told)) {}
 
 void Stages::tell(StageProgress::What what, const std::string& words, Verdict verdict, double share) {
   if (told_) told_({what, number_, count_, stage_, words, share, verdict});

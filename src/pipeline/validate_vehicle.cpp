@@ -58,6 +58,7 @@ validation::Validation run(const ValidateJob& job, const vehicle::Vehicle& vehic
   validation::ValidationHooks hooks;
   hooks.folder = job.folder + "/trials";
   hooks.cancelled = job.cancelled;
+  hooks.note = job.note;
   hooks.progress = job.progress;
   validation::Validation found = validation::validate(vehicle, *tables.arm, tables.wing, plans, job.settings, hooks);
   found.checks.insert(found.checks.begin(), validation::yesOrNo("tables of this vehicle's arm", true,

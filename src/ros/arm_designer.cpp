@@ -27,6 +27,7 @@ design::ArmJob jobFor(const design::ArmDesignSettings& settings, const DesignJob
   design::ArmJob arm_job;
   arm_job.folder = folder;
   arm_job.resume = !job.goal.recompute;
+  arm_job.warning = [](const std::string& text) { ROS_WARN_STREAM("design_arm: " << text); };
   arm_job.progress = [&settings, &job](const design::ArmProgress& p) {
     job.feedback(feedbackOf(settings, p));
     return job.preempted();

@@ -3,13 +3,16 @@
 #include <sstream>
 
 #include "snapwing/common/checkpoint_bytes.h"
+#include "snapwing/common/program_code.h"
 #include "snapwing/common/provenance.h"
 
 namespace snapwing::statics {
 
 namespace {
 
-const std::string MAGIC = "snapwing checkpoint 3\n";
+const std::string MAGIC = "snapwing checkpoint 4\n";
+
+std::string program() { return common::programOf(&MAGIC); }
 
 using common::BytesReader;
 using common::BytesWriter;
@@ -60,9 +63,9 @@ PathResult runFrom(BytesReader& reader) {
 std::string traceHash(const scene::Scene& scene, const std::string& more) {
   std::ostringstream text;
   text.precision(17);
-  text << common::version() << ";" << scene.sha256 << ";" << scene.dimension << ";" << static_cast<int>(scene.plane)
-       << ";" << static_cast<int>(scene.kernel) << ";" << scene.cell_size << ";" << scene.particles << ";" << scene.to
-       << ";" << scene.steps << ";" << scene.back << ";" << solver::enforcementName(scene.enforcement) << ";"
+  text << scene.sha256 << ";" << scene.dimension << ";" << static_cast<int>(scene.plane) << ";"
+       << static_cast<int>(scene.kernel) << ";" << scene.cell_size << ";" << scene.particles << ";" << scene.to << ";"
+       << scene.steps << ";" << scene.back << ";" << solver::enforcementName(scene.enforcement) << ";"
        << scene.perturbation << ";" << more;
   for (const scene::SceneBody& body : scene.bodies) {
     for (const double value : body.density.value) text << ";" << value;
@@ -74,11 +77,12 @@ void saveCheckpoint(const SceneCurve& sofar, const std::string& hash, const std:
   BytesWriter writer;
   put(writer, sofar.path);
   put(writer, sofar.back);
-  common::saveCheckpointBytes(writer.bytes(), MAGIC, hash, path);
+  common::saveCheckpointBytes(writer.bytes(), MAGIC, program(), hash, path);
 }
 
 SceneCurve loadCheckpoint(const std::string& path, const std::string& hash) {
-  BytesReader reader(common::loadCheckpointBytes(path, MAGIC, hash, "another scene or to other settings"), path);
+  BytesReader reader(common::loadCheckpointBytes(path, MAGIC, program(), hash, "another scene or to other settings"),
+                     path);
   SceneCurve curve;
   curve.path = runFrom(reader);
   curve.back = runFrom(reader);

@@ -8,6 +8,7 @@
 
 #include "curve_options.h"
 #include "curve_summary.h"
+#include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
@@ -178,7 +179,12 @@ class Checkpoints {
     if (options.resume && file_.empty())
       throw common::Error("--resume needs --output, --csv or --checkpoint: it resumes from the file OUTPUT.checkpoint");
     if (!options.resume || !std::filesystem::exists(file_)) return;
-    known_ = std::make_unique<statics::SceneCurve>(statics::loadCheckpoint(file_, hash_));
+    try {
+      known_ = std::make_unique<statics::SceneCurve>(statics::loadCheckpoint(file_, hash_));
+    } catch (const common::OtherProgramError& other) {
+      std::fprintf(stderr, "snapwing curve: %s; begins anew\n", other.what());
+      return;
+    }
     if (!options.quiet) std::fprintf(stderr, "resuming after %zu points\n", known_->path.points.size());
   }
   static std::string fileOf(const CurveOptions& options) {

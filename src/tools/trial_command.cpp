@@ -1,7 +1,6 @@
 // `snapwing trial`: one pulse on the vehicle, computed on the rung that the trial's file names.
 #include <sys/resource.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,10 +11,12 @@
 #include "curve_options.h"
 #include "numbers.h"
 #include "prediction_text.h"
+#include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/folder_lock.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/output_file.h"
+#include "snapwing/common/program_code.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/motion/trial_file.h"
 #include "snapwing/motion/trial_record.h"
@@ -27,20 +28,22 @@
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_bag_call.h"
 #include "trial_frames.h"
+#include "trial_progress.h"
 
 namespace snapwing::tools {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using nlohmann::ordered_json;
 
 struct Options {
   std::string file, folder;
   int threads = 1;
   double vtu_every = 0;  // [s]
-  bool quiet = false, vtu = false, bag = false;
+  bool quiet = false, vtu = false, bag = false, unless_done = false;
 };
+
+const char HERE = 0;  // in this program, whose code counts for what is kept of ended trials
 
 /// A trial with what it names, and the files that it writes.
 struct Work {
@@ -73,7 +76,7 @@ struct Work {
   }
   std::string path(const std::string& name) const { return folder + "/" + name; }
   std::string hash() const {
-    return common::sha256(common::version() + ";" + file.name + ";" + file.sha256 + ";" + vehicle.sha256 + ";" +
+    return common::sha256(file.name + ";" + file.sha256 + ";" + vehicle.sha256 + ";" +
                           common::sha256OfFile(vehicle.arm.density_file) + ";" +
                           common::sha256OfFile(vehicle.arm.table_file) + wings());
   }
@@ -153,32 +156,6 @@ int runLumped(const Work& work) {
   for (const std::string& what : left_out) std::printf("left out: %s\n", what.c_str());
   return prediction.end_mode == vehicle::Mode::UNKNOWN ? 1 : 0;
 }
-
-class Progress {
- public:
-  Progress(const Work& work, double last) : work_(work), last_(last) {}
-  bool operator()(const motion::AxisRun& run) {
-    const auto now = Clock::now();
-    if (!work_.options.quiet && now - shown_ > std::chrono::milliseconds(500)) {
-      shown_ = now;
-      const double seconds = std::chrono::duration<double>(now - begin_).count();
-      const double done = run.state.time - from_;
-      std::fprintf(stderr, "\r%.3f of at most %.3f s, travel %.1f mm, %.0f s left at most ", run.state.time, last_,
-                   1e3 * run.samples.back().travel, done > 0 ? seconds * (last_ - run.state.time) / done : 0.0);
-      std::fflush(stderr);
-    }
-    return !InterruptGuard::interrupted();
-  }
-  void startsAt(double time) { from_ = time; }
-  void end() const {
-    if (!work_.options.quiet) std::fprintf(stderr, "\n");
-  }
-
- private:
-  const Work& work_;
-  double last_, from_ = 0;
-  Clock::time_point begin_ = Clock::now(), shown_ = begin_;
-};
 
 ordered_json motionJson(const motion::AxisOutcome& o) {
   ordered_json json = validation::outcomeJson(o);
@@ -325,10 +302,14 @@ int runSolid(const Work& work) {
   motion::AxisRun run;
   const std::string checkpoint = work.path("checkpoint.bin"), owner = work.hash();
   if (std::filesystem::exists(checkpoint)) {
-    run = motion::loadTrialCheckpoint(checkpoint, owner);
-    std::fprintf(stderr, "resuming at %.4f s from %s\n", run.state.time, checkpoint.c_str());
+    try {
+      run = motion::loadTrialCheckpoint(checkpoint, owner);
+      std::fprintf(stderr, "resuming at %.4f s from %s\n", run.state.time, checkpoint.c_str());
+    } catch (const common::OtherProgramError& other) {
+      std::fprintf(stderr, "snapwing trial: %s; begins anew\n", other.what());
+    }
   }
-  Progress progress(work, trial.changes().back() + trial.horizon);
+  TrialProgress progress(work.options.quiet, trial.changes().back() + trial.horizon);
   progress.startsAt(run.state.time);
   const InterruptGuard guard;
   motion::AxisRunHooks hooks;
@@ -338,7 +319,8 @@ int runSolid(const Work& work) {
   hooks.stepped = [&](const motion::AxisRun& now) {
     if (cpu_of_start < 0) cpu_of_start = cpuSeconds() - cpu_before - cpu_of_vehicle;
     frames.take(now);
-    return progress(now);
+    progress.show(now);
+    return !InterruptGuard::interrupted();
   };
   hooks.keep = [&](const motion::AxisRun& now) { motion::saveTrialCheckpoint(now, owner, checkpoint); };
   const bool ended = motion::runTrial(vehicle, stepper, trial, run, hooks);
@@ -405,6 +387,32 @@ void printVerdict(const motion::TrialFile& file, const ordered_json& repeats) {
   std::printf("\n");
 }
 
+/// Row of a trial that has ended before, if this program did it with the same files. Says so if another program did.
+std::optional<ordered_json> doneBefore(const validation::KeptResults& kept, const Work& work) {
+  const std::string key = work.hash();
+  if (std::optional<ordered_json> before = kept.load("done", key)) return before;
+  const std::string other = kept.otherProgram("done", key);
+  if (!other.empty())
+    std::fprintf(stderr, "snapwing trial: %s: %s; computed anew\n", work.folder.c_str(), other.c_str());
+  return std::nullopt;
+}
+
+bool hasEnded(const ordered_json& summary) { return summary.value("ended", true); }
+
+ordered_json summaryOf(const Work& work) { return ordered_json::parse(common::readFile(work.path("summary.json"))); }
+
+/// A trial of its own, unless it is done.
+int runUnlessDone(const Work& work, const std::string& bag_program) {
+  const validation::KeptResults kept(work.folder, common::programOf(&HERE));
+  if (const std::optional<ordered_json> before = doneBefore(kept, work)) {
+    std::printf("%s: done before, by this program and with the same files\n", work.file.name.c_str());
+    return before->value("exit_code", 1);
+  }
+  const int code = runOne(work, bag_program);
+  if (hasEnded(summaryOf(work))) kept.save("done", work.hash(), ordered_json{{"exit_code", code}});
+  return code;
+}
+
 /// Each repeat in a folder of its own, and all of them in summary.json. A repeat that has ended is not run again.
 int runRepeats(const Options& options, const motion::TrialFile& file, const std::string& bag_program) {
   ordered_json repeats = ordered_json::array();
@@ -413,14 +421,13 @@ int runRepeats(const Options& options, const motion::TrialFile& file, const std:
     const motion::TrialFile one = motion::repeatOf(file, k);
     const Work work(options, one, options.folder + "/" + one.name);
     ordered_json row = {{"trial", one.name}, {"exit_code", 0}};
-    const validation::KeptResults kept(work.folder);
-    if (const std::optional<ordered_json> before = kept.load("done", work.hash())) {
+    const validation::KeptResults kept(work.folder, common::programOf(&HERE));
+    if (const std::optional<ordered_json> before = doneBefore(kept, work)) {
       row = *before;
     } else {
       row["exit_code"] = runOne(work, bag_program);
-      std::ifstream text(work.path("summary.json"));
-      const ordered_json summary = ordered_json::parse(text);
-      if (!summary.value("ended", true)) return 1;
+      const ordered_json summary = summaryOf(work);
+      if (!hasEnded(summary)) return 1;
       row["pulse"] = summary["pulse"];
       for (const char* name : {"end_mode", "snapped", "snap_time", "peak_travel"}) row[name] = summary["outcome"][name];
       row["room_to_travel_max"] = work.vehicle.limits.travel_max - row["peak_travel"].get<double>();
@@ -454,6 +461,8 @@ void addTrialCommand(CLI::App& app, int& exit_code) {
       ->check(realNumber(1e-4, 10, "s"));
   command->add_flag("--bag", options->bag,
                     "also write run.bag for rviz and Foxglove: frames, markers, joint states (needs a build with ROS)");
+  command->add_flag("--unless-done", options->unless_done,
+                    "leave the trial as it is if this program has ended it before with the same files");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
       "Exit code: 0 settled in F or Q, 1 not settled or stopped, 2 bad input. The same command goes on "
@@ -465,8 +474,9 @@ void addTrialCommand(CLI::App& app, int& exit_code) {
     }
     const std::string bag_program = options->bag ? bagProgram() : "";
     const InterruptGuard guard;
+    const auto one = options->unless_done ? runUnlessDone : runOne;
     exit_code = file.repeats > 1 ? runRepeats(*options, file, bag_program)
-                                 : runOne(Work(*options, file, options->folder), bag_program);
+                                 : one(Work(*options, file, options->folder), bag_program);
   });
 }
 

@@ -36,6 +36,7 @@ int validateVehicle(const Options& options) {
   job.command = "snapwing validate " + options.vehicle_file;
   const InterruptGuard guard;
   job.cancelled = InterruptGuard::interrupted;
+  job.note = [](const std::string& why) { std::fprintf(stderr, "snapwing validate: %s\n", why.c_str()); };
   TimeShown time;
   if (!options.quiet) {
     job.progress = [&time](int done, int all, const std::string& what) {

@@ -49,16 +49,34 @@ std::optional<ordered_json> wholeOf(const std::string& path) {
   return good ? std::optional(whole) : std::nullopt;
 }
 
+/// Program that left it, as text for people; empty: it does not say.
+std::string writerOf(const ordered_json& whole) {
+  const auto found = whole.find("program");
+  return found != whole.end() && found->is_string() ? common::shownBytes(found->get<std::string>()) : std::string();
+}
+
 }  // namespace
 
-KeptResults::KeptResults(std::string folder) : folder_(std::move(folder)) { common::makeFolder(folder_); }
+KeptResults::KeptResults(std::string folder, std::string program)
+    : folder_(std::move(folder)), program_(std::move(program)) {
+  common::makeFolder(folder_);
+}
 
 std::string KeptResults::path(const std::string& name) const { return folder_ + "/" + name + ".json"; }
 
 std::optional<ordered_json> KeptResults::load(const std::string& name, const std::string& key) const {
   std::optional<ordered_json> whole = wholeOf(path(name));
-  if (!whole || (*whole)["key"].get<std::string>() != key) return std::nullopt;
+  if (!whole || (*whole)["key"].get<std::string>() != key || writerOf(*whole) != program_) return std::nullopt;
   return std::move((*whole)["outcome"]);
+}
+
+std::string KeptResults::otherProgram(const std::string& name, const std::string& key) const {
+  const std::optional<ordered_json> whole = wholeOf(path(name));
+  // Earlier programs counted their version into the key and said no more.
+  if (!whole || writerOf(*whole) == program_) return {};
+  const bool old = !whole->contains("program");
+  if (!old && (*whole)["key"].get<std::string>() != key) return {};
+  return "left by another program (" + (old ? "an earlier one" : writerOf(*whole)) + ", this is " + program_ + ")";
 }
 
 std::optional<ordered_json> KeptResults::loadAny(const std::string& name) const {
@@ -68,7 +86,8 @@ std::optional<ordered_json> KeptResults::loadAny(const std::string& name) const 
 }
 
 void KeptResults::save(const std::string& name, const std::string& key, const ordered_json& result) const {
-  common::writeFileAtomically(path(name), common::jsonText(ordered_json{{"key", key}, {"outcome", result}}));
+  common::writeFileAtomically(path(name),
+                              common::jsonText(ordered_json{{"key", key}, {"program", program_}, {"outcome", result}}));
 }
 
 void KeptResults::forget(const std::string& name) const { std::filesystem::remove(path(name)); }

@@ -8,6 +8,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/parallel.h"
+#include "snapwing/common/program_code.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/common/require.h"
 #include "snapwing/planning/uncertainty_points.h"
@@ -143,13 +144,13 @@ std::string keyOf(const ValidationTrial& t, const std::string& inputs) {
   std::ostringstream text;
   text.precision(17);
   const RungTrial& r = t.trial;
-  text << "largest strain;" << common::version() << ';' << inputs << ';' << static_cast<int>(r.rung) << ';'
-       << static_cast<int>(r.start) << ';' << r.pulse.throttle << ';' << r.pulse.duration << ';'
-       << r.pulse.hold_throttle << ';' << r.pulse.hold_duration << ';' << static_cast<int>(r.kernel) << ';'
-       << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';' << vehicle::mountName(r.trial.mount)
-       << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';' << r.trial.initial_speed << ';'
-       << r.trial.push << ';' << r.trial.horizon << ';' << r.trial.initial_thrust_fraction.value_or(-1) << ';'
-       << r.trial.final_thrust_fraction.value_or(-1) << ';' << r.near << ';' << r.on_curve;
+  text << inputs << ';' << static_cast<int>(r.rung) << ';' << static_cast<int>(r.start) << ';' << r.pulse.throttle
+       << ';' << r.pulse.duration << ';' << r.pulse.hold_throttle << ';' << r.pulse.hold_duration << ';'
+       << static_cast<int>(r.kernel) << ';' << r.cell_size << ';' << r.step << ';' << static_cast<int>(t.role) << ';'
+       << vehicle::mountName(r.trial.mount) << ';' << vehicle::wingsName(r.trial.wings) << ';' << r.trial.gravity << ';'
+       << r.trial.initial_speed << ';' << r.trial.push << ';' << r.trial.horizon << ';'
+       << r.trial.initial_thrust_fraction.value_or(-1) << ';' << r.trial.final_thrust_fraction.value_or(-1) << ';'
+       << r.near << ';' << r.on_curve;
   for (const double x : r.box) text << ';' << x;
   return common::sha256(text.str());
 }
@@ -212,12 +213,14 @@ void addFaults(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table
   found->accidents.insert(found->accidents.end(), faults.begin(), faults.end());
 }
 
+const char HERE = 0;  // in this library: its code, and that of what it links, is the program of kept trials
+
 /// Runs all trials, or takes what an earlier run has left.
 class TrialRuns {
  public:
   TrialRuns(const RungRunner& runner, const ValidationHooks& hooks, const std::string& inputs)
       : runner_(runner), hooks_(hooks), inputs_(inputs) {
-    if (!hooks.folder.empty()) kept_.emplace(hooks.folder);
+    if (!hooks.folder.empty()) kept_.emplace(hooks.folder, common::programOf(&HERE));
   }
   void run(std::vector<ValidationTrial>& trials, int threads) {
     const int count = static_cast<int>(trials.size());
@@ -227,9 +230,15 @@ class TrialRuns {
 
  private:
   bool cancelled() const { return hooks_.cancelled && hooks_.cancelled(); }
-  bool known(ValidationTrial& t, const std::string& key) const {
-    const std::optional<nlohmann::ordered_json> kept = kept_ ? kept_->load(t.name, key) : std::nullopt;
-    return kept && readOutcome(*kept, &t.outcome);
+  bool known(ValidationTrial& t, const std::string& key) {
+    if (!kept_) return false;
+    const std::optional<nlohmann::ordered_json> kept = kept_->load(t.name, key);
+    if (kept) return readOutcome(*kept, &t.outcome);
+    const std::string other = kept_->otherProgram(t.name, key);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!other.empty() && !told_ && hooks_.note) hooks_.note(hooks_.folder + ": " + other + "; computed anew");
+    told_ = told_ || !other.empty();
+    return false;
   }
   void one(ValidationTrial& t) {
     if (cancelled()) return;
@@ -250,6 +259,7 @@ class TrialRuns {
   std::optional<KeptResults> kept_;
   std::mutex mutex_;
   int done_ = 0, all_ = 0;
+  bool told_ = false;  ///< that another program's results are not taken
 };
 
 }  // namespace

@@ -1,12 +1,21 @@
 #pragma once
 /// Bytes of checkpoints: numbers as the machine has them, since a resumed run must have the same bits. A file begins
-/// with its kind, a hash of what it belongs to and one of its bytes.
+/// with its kind, the program that wrote it, a hash of what it belongs to and one of its bytes.
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "snapwing/common/error.h"
+
 namespace snapwing::common {
+
+/// A checkpoint of another program: nothing is wrong with it, but the run begins anew and says why.
+class OtherProgramError : public FileError {
+ public:
+  /// @param wrote, reads  their names, of programOf()
+  OtherProgramError(const std::string& path, const std::string& wrote, const std::string& reads);
+};
 
 class BytesWriter {
  public:
@@ -39,12 +48,14 @@ class BytesReader {
   std::size_t at_ = 0;
 };
 
-/// @param kind  first line of the file, with its version; @param owner  64 digits. @throws FileError
-void saveCheckpointBytes(const std::string& bytes, const std::string& kind, const std::string& owner,
-                         const std::string& path);
+/// @param kind  first line of the file, whose last word is its version; @param program  of programOf();
+/// @param owner  64 digits. @throws FileError
+void saveCheckpointBytes(const std::string& bytes, const std::string& kind, const std::string& program,
+                         const std::string& owner, const std::string& path);
 /// @param what  it must belong to, for the message, e.g. "another scene or to other settings"
+/// @throws OtherProgramError if another program wrote it
 /// @throws FileError if it is of another kind, belongs to something else or is damaged
-std::string loadCheckpointBytes(const std::string& path, const std::string& kind, const std::string& owner,
-                                const std::string& what);
+std::string loadCheckpointBytes(const std::string& path, const std::string& kind, const std::string& program,
+                                const std::string& owner, const std::string& what);
 
 }  // namespace snapwing::common

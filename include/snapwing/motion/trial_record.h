@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/motion/axis_trial.h"
 
 namespace snapwing::motion {
@@ -19,6 +20,7 @@ void saveSeries(const std::vector<AxisSample>& samples, const TrialVehicle& vehi
 
 /// @param hash  of all that the run depends on. @throws common::FileError
 void saveTrialCheckpoint(const AxisRun& run, const std::string& hash, const std::string& path);
+/// @throws common::OtherProgramError if another build of the solver wrote it
 /// @throws common::FileError if it is damaged or belongs to another trial
 AxisRun loadTrialCheckpoint(const std::string& path, const std::string& hash);
 

@@ -17,6 +17,7 @@ struct ValidateJob {
   validation::ValidationSettings settings;
   std::string command;  ///< as the report shows it
   std::function<void(int done, int all, const std::string& what)> progress;
+  std::function<void(const std::string& why)> note;  ///< results in the folder that are computed anew
   std::function<bool()> cancelled;
 };
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::statics {
@@ -13,6 +14,7 @@ std::string traceHash(const scene::Scene& scene, const std::string& more);
 /// Replaces the file in one step. @throws common::FileError
 void saveCheckpoint(const SceneCurve& sofar, const std::string& hash, const std::string& path);
 
+/// @throws common::OtherProgramError if another build of the solver wrote it
 /// @throws common::FileError if it is missing, damaged, or of another scene or other settings
 SceneCurve loadCheckpoint(const std::string& path, const std::string& hash);
 

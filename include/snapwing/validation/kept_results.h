@@ -11,12 +11,15 @@ namespace snapwing::validation {
 
 class KeptResults {
  public:
-  /// @param folder  of the files; made if it is not there. @throws common::FileError
-  explicit KeptResults(std::string folder);
-  /// @param key  hash of all that the result depends on. @return the result; none if there is none, or of another
-  /// key, or a damaged one
+  /// @param folder  of the files; made if it is not there. @param program  that computes, of common::programOf()
+  /// @throws common::FileError
+  KeptResults(std::string folder, std::string program);
+  /// @param key  hash of all that the result depends on beside the program. @return the result; none if there is none,
+  /// or of another key or program, or a damaged one
   std::optional<nlohmann::ordered_json> load(const std::string& name, const std::string& key) const;
-  /// The result, whatever its key.
+  /// Why a result that is there is not taken although its key is right: another program left it. Empty: no such result.
+  std::string otherProgram(const std::string& name, const std::string& key) const;
+  /// The result, whatever its key and program.
   std::optional<nlohmann::ordered_json> loadAny(const std::string& name) const;
   /// @param result  an object. @throws common::FileError
   void save(const std::string& name, const std::string& key, const nlohmann::ordered_json& result) const;
@@ -24,7 +27,7 @@ class KeptResults {
 
  private:
   std::string path(const std::string& name) const;
-  std::string folder_;
+  std::string folder_, program_;
 };
 
 /// A trial's outcome as it is kept; NaN is null.

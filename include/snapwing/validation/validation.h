@@ -65,6 +65,8 @@ struct Validation {
 struct ValidationHooks {
   /// Told before work begins. @param done, all  trials
   std::function<void(int done, int all, const std::string& what)> progress;
+  /// Told at most once: results in the folder are computed anew, because another program left them.
+  std::function<void(const std::string& why)> note;
   std::function<bool()> cancelled;
   std::string folder;  ///< where results are kept for a resumed run; empty: nowhere
 };

@@ -7,6 +7,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/json_text.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/design/design_program.h"
 #include "snapwing/vehicle/table_origin.h"
 
 namespace snapwing::design {
@@ -65,6 +66,7 @@ json reportOf(const ArmDesignSettings& s, const ArmCheck& check) {
   j["name"] = s.name;
   j["inputs_sha256"] = s.hash();
   j["snapwing_version"] = common::version();
+  j["program"] = designProgram();
   j["forces_are"] = "totals of " + std::to_string(s.copies) + " copies";
   j["bistable"] = check.bistable ? "yes" : "no";
   j["all_targets_met"] = check.all_met;
@@ -200,6 +202,7 @@ std::optional<ArmOutcome> loadArmOutcome(const ArmDesignSettings& settings, cons
   const json report = json::parse(common::readFile(path), nullptr, false);
   if (report.is_discarded() || !report.is_object()) throw common::FileError(path, "is not a report of an arm design");
   if (report.value("inputs_sha256", "") != settings.hash()) return std::nullopt;
+  if (report.value("program", "") != designProgram()) return std::nullopt;
   ArmOutcome outcome;
   outcome.folder = folder;
   outcome.bistable = report.value("bistable", "") == "yes";

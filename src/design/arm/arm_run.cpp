@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <sstream>
 
+#include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/design/arm/arm_topology.h"
 #include "snapwing/design/arm/design_scene.h"
+#include "snapwing/design/design_program.h"
 #include "snapwing/design/optim/array_file.h"
 
 namespace snapwing::design {
@@ -76,7 +78,8 @@ class Runner {
 
  private:
   std::string checkpointFile() const { return options_.folder + "/checkpoint.h5"; }
-  void loadCheckpoint();
+  /// @return false for a checkpoint of another program
+  bool loadCheckpoint();
   void saveCheckpoint(const ArmTopology& problem, const OptimizerState& state);
   void saveHistory() const;
   bool onIteration(const ArmTopology& problem, const OptimizerReport& report, const OptimizerState& state);
@@ -102,6 +105,7 @@ void Runner::saveCheckpoint(const ArmTopology& problem, const OptimizerState& st
   file.arrays["place"] = Eigen::Vector2d(stage_, state.iteration);
   file.arrays["history"] = packed(run_.history, run_.travels.size());
   file.notes["inputs_sha256"] = settings_.hash();
+  file.notes["program"] = designProgram();
   try {
     saveArrays(file, checkpointFile());
   } catch (const common::FileError& e) {
@@ -111,11 +115,18 @@ void Runner::saveCheckpoint(const ArmTopology& problem, const OptimizerState& st
   }
 }
 
-void Runner::loadCheckpoint() {
+bool Runner::loadCheckpoint() {
   const ArrayFile file = loadArrays(checkpointFile());
   const auto hash = file.notes.find("inputs_sha256");
   if (hash == file.notes.end() || hash->second != settings_.hash()) {
     throw common::FileError(checkpointFile(), "belongs to other inputs: settings or vehicle have changed");
+  }
+  const auto wrote = file.notes.find("program");
+  if (wrote == file.notes.end() || wrote->second != designProgram()) {
+    const std::string name = wrote == file.notes.end() ? "an earlier one" : wrote->second;
+    const common::OtherProgramError why(checkpointFile(), name, designProgram());
+    if (options_.warning) options_.warning(std::string(why.what()) + "; begins anew");
+    return false;
   }
   const auto get = [&](const char* name) {
     const auto found = file.arrays.find(name);
@@ -137,6 +148,7 @@ void Runner::loadCheckpoint() {
     if (name.rfind("warm_", 0) == 0) warm_[name] = values;
     if (name.rfind("frame_", 0) == 0) frames_[name] = values;
   }
+  return true;
 }
 
 bool Runner::onIteration(const ArmTopology& problem, const OptimizerReport& report, const OptimizerState& state) {

@@ -6,6 +6,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
+#include "snapwing/design/design_program.h"
 #include "snapwing/design/wing/wing_parts.h"
 
 namespace snapwing::design {
@@ -108,7 +109,7 @@ WingTable tabulateLayout(const WingLayout& layout, const ArmMotion& motion, int 
 
 std::string wingHash(const WingSettings& s, WingRung rung) {
   std::string inputs = common::readFile(s.file) + common::readFile(s.vehicle_file) + s.motion->source();
-  return common::sha256(inputs + nameOf(rung) + common::version());
+  return common::sha256(inputs + nameOf(rung) + designProgram());
 }
 
 std::optional<WingOutcome> loadWingOutcome(const WingSettings& s, const std::string& folder) {

@@ -177,6 +177,7 @@ class PipelineNode {
     requireAbsolute("folder", goal.folder);
     pipeline::TimeLeft time;
     job.cancelled = [this] { return validate_.isPreemptRequested() || !ros::ok(); };
+    job.note = [](const std::string& why) { ROS_WARN_STREAM("validate_vehicle: " << why); };
     job.progress = [this, &time](int done, int all, const std::string& what) {
       ValidateVehicleFeedback feedback;
       feedback.done = static_cast<std::uint32_t>(done);

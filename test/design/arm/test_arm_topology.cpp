@@ -12,6 +12,8 @@
 #include "snapwing/design/arm/arm_run.h"
 #include "snapwing/design/arm/arm_topology.h"
 #include "snapwing/design/arm/design_scene.h"
+#include "snapwing/design/design_program.h"
+#include "snapwing/design/optim/array_file.h"
 #include "support/paths.h"
 
 namespace snapwing::design {
@@ -99,6 +101,29 @@ TEST(ArmTopology, ShortRunLowersViolationAndResumes) {
   EXPECT_EQ(rest.field.value, whole.field.value);  // bit for bit
   EXPECT_TRUE(std::filesystem::exists(folder + "/history.csv"));
   EXPECT_TRUE(std::filesystem::exists(folder + "/history.h5"));
+}
+
+TEST(ArmTopology, ACheckpointOfAnotherProgramBeginsAnewAndSaysSo) {
+  ArmDesignSettings s = coarse();
+  s.sharpness_end = 1;
+  ArmRunOptions options;
+  options.folder = ::testing::TempDir() + "arm_other_program";
+  options.progress = [](const ArmProgress& p) { return p.report.iteration == 2; };
+  std::filesystem::remove_all(options.folder);
+  runArmDesign(s, options);
+  const std::string checkpoint = options.folder + "/checkpoint.h5";
+  ArrayFile file = loadArrays(checkpoint);
+  EXPECT_EQ(file.notes.at("program"), designProgram());
+  file.notes["program"] = "0.1.0+aa";
+  saveArrays(file, checkpoint);
+  int first = -1;
+  std::string warned;
+  options.resume = true;
+  options.progress = [&first](const ArmProgress& p) { return (first = p.report.iteration) >= 0; };
+  options.warning = [&warned](const std::string& text) { warned += text; };
+  runArmDesign(s, options);
+  EXPECT_EQ(first, 0);
+  EXPECT_NE(warned.find("was written by another program (0.1.0+aa, this is " + designProgram()), std::string::npos);
 }
 
 TEST(ArmTopology, ForeignCheckpointIsRefused) {

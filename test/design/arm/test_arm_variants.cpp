@@ -11,6 +11,7 @@
 #include "snapwing/design/arm/arm_outcome.h"
 #include "snapwing/design/arm/arm_topology.h"
 #include "snapwing/design/arm/design_scene.h"
+#include "snapwing/design/design_program.h"
 #include "snapwing/solver/newton.h"
 #include "snapwing/statics/path.h"
 #include "support/own_folder.h"
@@ -244,6 +245,10 @@ TEST(ArmMechanism, AnyBodyOfASceneCanBeDesigned) {
   ArmDesignSettings other = s;
   other.inputs_sha256 += "x";
   EXPECT_FALSE(loadArmOutcome(other, job.folder).has_value());
+  std::string foreign = report;
+  foreign.replace(foreign.find(designProgram()), designProgram().size(), "0.1.0+aa");
+  std::ofstream(job.folder + "/report.json") << foreign;
+  EXPECT_FALSE(loadArmOutcome(s, job.folder).has_value());
 }
 
 TEST(ArmMechanism, ARotationBoundNeedsAMonitorAndSaysSo) {

@@ -56,8 +56,8 @@ ArmOutcome checkArmDensity(const ArmDesignSettings& settings, const mpm::Density
 
 /// Where a store keeps the design of these inputs: store/<hash>.
 std::string storedArmFolder(const ArmDesignSettings& settings, const std::string& store);
-/// The outcome in a folder, if its report is there and belongs to the same inputs. @throws common::FileError if the
-/// report is there but cannot be read
+/// The outcome in a folder, if its report is there and this program made it of the same inputs. @throws
+/// common::FileError if the report is there but cannot be read
 std::optional<ArmOutcome> loadArmOutcome(const ArmDesignSettings& settings, const std::string& folder);
 
 }  // namespace snapwing::design

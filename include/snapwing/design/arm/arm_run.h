@@ -21,7 +21,7 @@ struct ArmProgress {
 
 struct ArmRunOptions {
   std::string folder;         ///< for checkpoint.h5, history.h5, history.csv; "": none
-  bool resume = false;        ///< from the folder's checkpoint, if it belongs to the same inputs
+  bool resume = false;        ///< from the folder's checkpoint; begins anew with a warning if another program left it
   int checkpoint_every = 10;  ///< iterations
   /// True cancels.
   std::function<bool(const ArmProgress&)> progress;

@@ -58,7 +58,7 @@ WingOutcome designWingInto(const WingSettings& settings, const WingJob& job);
 /// @throws common::Error if the arm does not turn that far, or the loop opens on the way
 WingTable tabulateLayout(const WingLayout& layout, const ArmMotion& motion, int points = 161);
 
-/// Hash of all that a design depends on.
+/// Hash of all that a design depends on, the program included.
 std::string wingHash(const WingSettings& settings, WingRung rung);
 /// The layout and table in a folder, if both are there; the objective is computed again on the layout's rung, the
 /// design assessed again on rigid bars.
