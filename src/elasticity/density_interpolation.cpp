@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/require.h"
 
@@ -10,16 +11,16 @@ namespace snapwing::elasticity {
 
 DensityInterpolation::Value DensityInterpolation::at(double density) const {
   // Solid cells are the rule, and then nothing must be rounded.
-  const double power_slope = power * std::pow(density, power - 1);
+  const double power_slope = power * common::pow(density, power - 1);
   if (density >= 1) {
-    const double th = std::tanh(sharpness * (1 - threshold));
+    const double th = common::tanh(sharpness * (1 - threshold));
     return {1, (1 - void_stiffness) * power_slope, 1,
-            sharpness * (1 - th * th) / (std::tanh(sharpness * threshold) + th) * power_slope};
+            sharpness * (1 - th * th) / (common::tanh(sharpness * threshold) + th) * power_slope};
   }
-  const double raised = std::pow(density, power);
-  const double low = std::tanh(sharpness * threshold);
-  const double span = low + std::tanh(sharpness * (1 - threshold));
-  const double th = std::tanh(sharpness * (raised - threshold));
+  const double raised = common::pow(density, power);
+  const double low = common::tanh(sharpness * threshold);
+  const double span = low + common::tanh(sharpness * (1 - threshold));
+  const double th = common::tanh(sharpness * (raised - threshold));
   return {void_stiffness + (1 - void_stiffness) * raised, (1 - void_stiffness) * power_slope, (low + th) / span,
           sharpness * (1 - th * th) / span * power_slope};
 }

@@ -2,9 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 
 namespace snapwing::elasticity {
@@ -23,40 +23,45 @@ NeoHookean<D>::NeoHookean(const Material& material, const DensityInterpolation& 
 
 namespace {
 
-constexpr double SMALL = 0.01;  // up to here nine terms of a series in powers are exact to rounding
+/// Where four terms of a series are near the solution, Halley's rule ends within a round or two.
+constexpr double NEAR = 0.25;
 
-/// Sum of c_k x^k, k = 0 .. 8, in pairs: a processor does these side by side.
-double sumOfPowers(const std::array<double, 9>& c, double x) {
-  const double x2 = x * x, x4 = x2 * x2;
-  const double low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2, high = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2;
-  return low + (high + c[8] * x4) * x4;
-}
+/// Plane stress: the root t of mu (e^2t - 1) + lambda (z + t) = 0, monotone and convex in t.
+struct ThicknessStretch {
+  double t = 0;
+  double grown = 0, beyond = 0;  ///< e^2t - 1, and half of it less t
 
-/// ln(1 + x), and x less that without cancellation: energies stay exact at small strain, where a line search compares
-/// them.
-struct Logarithm {
-  explicit Logarithm(double x) {
-    static constexpr std::array<double, 9> TERMS = {1 / 2.,  -1 / 3., 1 / 4.,  -1 / 5., 1 / 6.,
-                                                    -1 / 7., 1 / 8.,  -1 / 9., 1 / 10.};
-    const bool small = std::abs(x) <= SMALL;
-    beyond = small ? x * x * sumOfPowers(TERMS, x) : 0;
-    value = small ? x - beyond : std::log1p(x);
-    if (!small) beyond = x - value;
+  /// First terms of t in powers of z.
+  static double guess(double mu, double lambda, double z) {
+    const double slope = 2 * mu + lambda, k = 2 * mu / slope, t = -lambda * z / slope;
+    const double third = k * (2 * k - 2 / 3.), fourth = k * (k * (10 / 3. - 5 * k) - 1 / 3.);
+    return t + t * t * (-k + t * (third + t * fourth));
   }
-  double value, beyond;
-};
-
-/// e^2t - 1, and half of it less t, the same way.
-struct Exponential {
-  explicit Exponential(double t) {
-    static constexpr std::array<double, 9> TERMS = {1,         1 / 3.,     1 / 12.,     1 / 60.,     1 / 360.,
-                                                    1 / 2520., 1 / 20160., 1 / 181440., 1 / 1814400.};
-    const bool small = std::abs(t) <= SMALL;
-    beyond = small ? t * t * sumOfPowers(TERMS, 2 * t) : 0;
-    grown = small ? 2 * (t + beyond) : std::expm1(2 * t);
-    if (!small) beyond = 0.5 * grown - t;
+  /// A step of Halley's rule, whose error is the cube of the one before. @return whether it was exact to rounding
+  bool refine(double mu, double lambda, double z) {
+    const common::ExpLessOne e = common::expLessOne(2 * t);
+    const double stretch = 2 * mu * (e.value + 1), slope = stretch + lambda;
+    const double newton = (mu * e.value + lambda * (z + t)) / slope;
+    const double step = newton / (1 - newton * stretch / slope);
+    // e^2t changes by so little that two terms tell it, and nothing cancels at small t.
+    t -= step;
+    beyond = 0.5 * e.beyond + step * ((e.value + 1) * step - e.value);
+    grown = 2 * (beyond + t);
+    return std::abs(step * step * step) <= 1e-17 * std::abs(t);
   }
-  double grown, beyond;
+  /// From anywhere: Newton's rule from above cannot overshoot.
+  void search(double mu, double lambda, double z) {
+    t = -lambda * z / (2 * mu + lambda);
+    if (t > NEAR) t = std::min(t, 0.5 * common::log1p(-lambda * z / mu));
+    for (int i = 0; i < 60; ++i) {
+      grown = common::expm1(2 * t);
+      const double step = (mu * grown + lambda * (z + t)) / (2 * mu * (grown + 1) + lambda);
+      t -= step;
+      if (step * step <= 1e-17 * std::abs(t)) break;
+    }
+    grown = common::expm1(2 * t);
+    beyond = 0.5 * grown - t;
+  }
 };
 
 /// det(I + h) - 1 - tr h.
@@ -68,34 +73,11 @@ double beyondTrace(const Matrix<3>& h) { return 0.5 * (h.trace() * h.trace() - (
 template <int D>
 typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
   if (!plane_stress_) return {0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
-  // mu (e^2t - 1) + lambda (z + t) = 0, monotone and convex in t. Where the first four terms of the solution in powers
-  // of z are near, Halley's rule, whose error is the cube of the one before, ends within one round or two; elsewhere
-  // Newton's rule comes from above and cannot overshoot.
-  constexpr double NEAR = 0.25;
-  const double slope0 = 2 * mu_ + lambda_, k = 2 * mu_ / slope0;
-  double t = -lambda_ * z / slope0;
-  if (std::abs(t) < NEAR) {
-    const double third = k * (2 * k - 2 / 3.), fourth = k * (k * (10 / 3. - 5 * k) - 1 / 3.);
-    t += t * t * (-k + t * (third + t * fourth));
-  }
-  if (t > NEAR) t = std::min(t, 0.5 * std::log1p(-lambda_ * z / mu_));
-  Exponential e(t);
-  for (int i = 0; i < 60; ++i) {
-    const double stretch = 2 * mu_ * (e.grown + 1), slope = stretch + lambda_;
-    const double newton = (mu_ * e.grown + lambda_ * (z + t)) / slope;
-    const double step = std::abs(newton) < NEAR ? newton / (1 - newton * stretch / slope) : newton;
-    t -= step;
-    // Exact to rounding once the step is as short as the end asks for.
-    const bool exact = std::abs(step * step * step) <= 1e-17 * std::abs(t);
-    if (exact && std::abs(t) > SMALL) {
-      e.grown += (e.grown + 1) * 2 * step * (step - 1);
-      e.beyond = 0.5 * e.grown - t;
-    } else {
-      e = Exponential(t);
-    }
-    if (exact) break;
-  }
-  const double squared = e.grown + 1, sum = z + t;
+  ThicknessStretch e;
+  e.t = ThicknessStretch::guess(mu_, lambda_, z);
+  const bool near = std::abs(e.t) < NEAR;
+  if (!near || (!e.refine(mu_, lambda_, z) && !e.refine(mu_, lambda_, z))) e.search(mu_, lambda_, z);
+  const double squared = e.grown + 1, sum = z + e.t;
   return {mu_ * e.beyond + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
           lambda_ * 2 * mu_ * squared / (2 * mu_ * squared + lambda_)};
 }
@@ -107,7 +89,7 @@ bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
   out.det_f = 1 + change;
   if (!(out.det_f > 0)) return false;
   const Matrix<D> q = f.inverse().transpose();
-  const Logarithm log_j(change);
+  const common::LogOnePlus log_j = common::logOnePlus(change);
   const Volumetric v = volumetric(log_j.value);
   // mu/2 (|F|^2 - D) - mu ln J, with the first orders cancelled by hand.
   out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (log_j.beyond - minors) + v.g;
@@ -137,7 +119,7 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
   using Vector = Eigen::Matrix<double, D, 1>;
   const Eigen::JacobiSVD<Matrix<D>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vector s = svd.singularValues();
-  const Volumetric v = volumetric(std::log(f.determinant()));
+  const Volumetric v = volumetric(common::log(f.determinant()));
   FullTangent<D> result = FullTangent<D>::Zero();
   const auto add = [&](const Matrix<D>& mode, double value) {
     if (value <= 0 && order == Order::PROJECTED) return;

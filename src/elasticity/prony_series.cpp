@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/require.h"
@@ -17,7 +18,7 @@ double PronySeries::slow() const {
 
 double PronySeries::relaxation(double t) const {
   double sum = slow();
-  for (const Branch& branch : branches) sum += branch.share * std::exp(-t / branch.time);
+  for (const Branch& branch : branches) sum += branch.share * common::exp(-t / branch.time);
   return sum;
 }
 
@@ -55,12 +56,12 @@ void PronySeries::validate() const {
 
 RelaxationStep::RelaxationStep(double x) {
   constexpr double SMALL = 0.02;  // below, series: digits cancel
-  const double gone = -std::expm1(-x);
-  decay = std::exp(-x);
+  const double gone = -common::expm1(-x);
+  decay = common::exp(-x);
   mean = gone / x;
   ramp = x < SMALL ? 0.5 + x * (-1.0 / 6 + x * (1.0 / 24 + x * (-1.0 / 120 + x * (1.0 / 720 - x / 5040))))
                    : (1 - mean) / x;
-  first = -0.5 * std::expm1(-2 * x);
+  first = -0.5 * common::expm1(-2 * x);
   mixed = 0.5 * gone * mean;
   last = x < SMALL ? x * (1.0 / 3 + x * (-1.0 / 4 + x * (7.0 / 60 + x * (-1.0 / 24 + x * 31.0 / 2520))))
                    : (x - 2 * gone + first) / (x * x);

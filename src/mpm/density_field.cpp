@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 
@@ -130,12 +131,12 @@ DensityField DensityField::resampled(double new_cell_size, double power) const {
           const double high = std::min<double>(sj + 1, (j + 1) * ratio) - std::max<double>(sj, j * ratio);
           if (wide <= 0 || high <= 0) continue;
           covered += wide * high;
-          sum += wide * high * std::pow(at(si, sj), power);
+          sum += wide * high * common::pow(at(si, sj), power);
         }
       }
       if (covered > 1e-9 * ratio * ratio) {
         if (power > 1 && sum < LEAST_STIFFNESS * ratio * ratio) continue;
-        const double mean = std::pow(sum / (ratio * ratio), 1 / power);
+        const double mean = common::pow(sum / (ratio * ratio), 1 / power);
         result.value[static_cast<std::size_t>(j) * result.cells[0] + i] = std::min(1.0, mean);
       }
     }

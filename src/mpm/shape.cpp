@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 
 namespace snapwing::mpm {
@@ -22,7 +23,7 @@ class BoxShape : public Shape {
 class Disc : public Shape {
  public:
   Disc(double x, double y, double radius) : x_(x), y_(y), radius_(radius) {}
-  bool contains(const Point3& p) const override { return std::hypot(p(0) - x_, p(1) - y_) <= radius_; }
+  bool contains(const Point3& p) const override { return common::hypot(p(0) - x_, p(1) - y_) <= radius_; }
   Box bounds() const override {
     Box box;
     box.low.head<2>() = Eigen::Vector2d(x_ - radius_, y_ - radius_);
@@ -104,7 +105,7 @@ class CosineBeam : public Shape {
       s = std::min(std::max(s - step, 0.0), span_);
       if (std::abs(step) < 1e-14 * span_) break;
     }
-    return std::hypot(s - p(0), height(s, 0) - p(1)) <= half_;
+    return common::hypot(s - p(0), height(s, 0) - p(1)) <= half_;
   }
   Box bounds() const override {
     Box box;
@@ -119,9 +120,9 @@ class CosineBeam : public Shape {
     double sum = 0;
     for (std::size_t k = 0; k < amplitudes_.size(); ++k) {
       const double w = 2 * M_PI * static_cast<double>(k + 1) / span_;
-      sum += amplitudes_[k] * (derivative == 0   ? 1 - std::cos(w * x)
-                               : derivative == 1 ? w * std::sin(w * x)
-                                                 : w * w * std::cos(w * x));
+      sum += amplitudes_[k] * (derivative == 0   ? 1 - common::cos(w * x)
+                               : derivative == 1 ? w * common::sin(w * x)
+                                                 : w * w * common::cos(w * x));
     }
     return sum;
   }

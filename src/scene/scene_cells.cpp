@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/elasticity/neo_hookean.h"
@@ -186,7 +187,7 @@ void SceneCells<D>::addBody(int number) {
   addFullKind(grid);
   solid_->addBody(grid);
   if (!body.hasCells()) return;
-  const double cell_volume = std::pow(grid.cell_size, D);
+  const double cell_volume = common::pow(grid.cell_size, D);
   std::vector<bool> inside(samples_.size());
   int added = 0;
   for (int c = 0; c < grid.cellCount(); ++c) {

@@ -22,7 +22,9 @@ class SceneCells {
   std::shared_ptr<mpm::Discretisation<D>> solid() const { return solid_; }
   const Mirror& mirror() const { return mirror_; }
   /// The whole is this many times what was built: by the mirror, and by the planes that the scene states.
-  double multiplicity() const { return mirror_.multiplicity() * std::pow(2.0, scene_.symmetry.size()); }
+  double multiplicity() const {
+    return mirror_.multiplicity() * std::ldexp(1.0, static_cast<int>(scene_.symmetry.size()));
+  }
   bool contains(int body, const mpm::Vector<D>& point) const;
   /// Calls visit(position [m], kernel values of the cell's nodes, volume [m3]) for all particles of a cell.
   template <class Visit>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 
@@ -156,7 +157,7 @@ void Constraints<D>::makeCylinder(const ScenePin& pin) {
   for (int node = 0; node < solid_.nodeCount(); ++node) {
     if (solid_.nodeBody(node) != pin.body) continue;
     const auto& x = solid_.position(node);
-    if (std::hypot(x(0) - pin.x, x(1) - pin.y) <= pin.radius * (1 + 1e-9)) nodes.push_back(node);
+    if (common::hypot(x(0) - pin.x, x(1) - pin.y) <= pin.radius * (1 + 1e-9)) nodes.push_back(node);
   }
   std::map<std::pair<long, long>, int> columns;
   for (const int node : nodes) {
@@ -343,7 +344,7 @@ typename Constraints<D>::Weights Constraints<D>::sectionMean(const ScenePin& pin
   for (int c = 0; c < solid_.cellCount(); ++c) {
     if (solid_.cellBody(c) != pin.body) continue;
     cells_.eachParticle(c, [&](const Vector<D>& x, const double* value, double w) {
-      if (std::hypot(x(0) - pin.x, x(1) - pin.y) > pin.radius) return;
+      if (common::hypot(x(0) - pin.x, x(1) - pin.y) > pin.radius) return;
       total += w;
       for (int a = 0; a < solid_.stencil(); ++a) sum[solid_.cellNodes(c)[a]] += w * value[a];
     });

@@ -8,6 +8,7 @@
 #include "scene_sensitivity_of.h"
 #include "scene_vtu.h"
 #include "scene_weight.h"
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/solver/load_term.h"
 
@@ -208,7 +209,7 @@ class CompiledSceneOf : public CompiledScene {
     const SceneMonitor& m = scene_.monitors[number];
     if (m.radius > 0) {
       const auto entry = [&](int i, int j) { return u(rotations_[number].first + i + D * j); };
-      return std::atan2(entry(1, 0) - entry(0, 1), 2 * rotations_[number].length + entry(0, 0) + entry(1, 1));
+      return common::atan2(entry(1, 0) - entry(0, 1), 2 * rotations_[number].length + entry(0, 0) + entry(1, 1));
     }
     double value = 0;
     for (const auto& [node, weight] : points_[number]) {
@@ -245,7 +246,7 @@ class CompiledSceneOf : public CompiledScene {
     if (gradient != nullptr) {
       *gradient = (cosine * d_sine - sine * d_cosine) / (sine * sine + cosine * cosine);
     }
-    return std::atan2(sine, cosine);
+    return common::atan2(sine, cosine);
   }
 
   Mirror mirror_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "snapwing/common/elementary.h"
+
 namespace snapwing::scene {
 
 namespace {
@@ -95,7 +97,7 @@ class Image {
     const int axes = body.extruded ? 2 : 3;
     double count = 1;
     for (int a = 0; a < axes; ++a) count *= std::max(1.0, (box.high(a) - box.low(a)) / (0.5 * scene_.cell_size));
-    const double step = 0.5 * scene_.cell_size * std::max(1.0, std::pow(count / 4e5, 1.0 / axes));
+    const double step = 0.5 * scene_.cell_size * std::max(1.0, common::pow(count / 4e5, 1.0 / axes));
     std::array<int, 3> n{1, 1, 1};
     for (int a = 0; a < axes; ++a) n[a] = std::max(1, static_cast<int>((box.high(a) - box.low(a)) / step) + 1);
     for (int k = 0; k < n[2]; ++k) {

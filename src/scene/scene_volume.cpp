@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "scene_cells.h"
+#include "snapwing/common/elementary.h"
 
 namespace snapwing::scene {
 
@@ -65,11 +66,11 @@ double SceneCells<D>::volumeOfSolid(int number) const {
     cut.back().template head<D>() = grid.cellCentre(at) - Vector<D>::Constant(0.5 * h);
   }
   int fine = 12;
-  while (fine > 4 && std::pow(fine, D) * static_cast<double>(cut.size()) > MOST_SAMPLES) --fine;
+  while (fine > 4 && common::pow(fine, D) * static_cast<double>(cut.size()) > MOST_SAMPLES) --fine;
   for (const Point3& low : cut) {
     cells += sampled(*scene_.bodies[number].shape, low, h, D, fine, [](const Point3&) { return 1.0; });
   }
-  return cells * std::pow(h, D);
+  return cells * common::pow(h, D);
 }
 
 /// Slices and extrusions: by columns along z.

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 
@@ -184,7 +185,7 @@ class Mobility {
     const auto turns = coordinates_.rotationLengths();  // of the last coordinates
     const Eigen::Index first = z_.size() - turns.size();
     for (Eigen::Index k = 0; k < turns.size(); ++k) {
-      z_(first + k) = TURN * turns(k) * std::sin(2.4 * static_cast<double>(k) + 0.7);  // nothing lies so by chance
+      z_(first + k) = TURN * turns(k) * common::sin(2.4 * static_cast<double>(k) + 0.7);  // nothing lies so by chance
     }
     const double length = turns.size() > 0 ? turns.minCoeff() : std::abs(travel);
     const VectorXd p = VectorXd::Constant(coordinates_.controlCount(), travel);

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/solver/conjugate_gradients.h"
 
@@ -357,7 +358,7 @@ Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const 
 double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations) const {
   const Eigen::VectorXd closed = Eigen::VectorXd::Zero(constraintCount());
   mode.resize(x.z.size());
-  for (int k = 0; k < mode.size(); ++k) mode(k) = std::sin(1.7 * k + 0.3);  // no symmetry of a body has this
+  for (int k = 0; k < mode.size(); ++k) mode(k) = common::sin(1.7 * k + 0.3);  // no symmetry of a body has this
   Eigen::VectorXd next, multipliers;
   double inverse = 0;
   for (int iteration = 0; iteration < iterations; ++iteration) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 
 namespace snapwing::solver {
@@ -53,9 +54,10 @@ template <int D>
 RotationValue rotateAboutAxis(const Rotation& rotation, double s) {
   const Matrix3d k = skewOf(rotation.axes[0]);
   const Eigen::VectorXd first = entries<D>(k), square = entries<D>(k * k);
-  const double angle = s / rotation.length, sine = std::sin(angle), cosine = std::cos(angle);
+  const double angle = s / rotation.length, sine = common::sin(angle), cosine = common::cos(angle);
+  const double half = common::sin(0.5 * angle);
   RotationValue v = sized(D * D, 1);
-  v.value = rotation.length * (sine * first + 2 * std::pow(std::sin(0.5 * angle), 2) * square);
+  v.value = rotation.length * (sine * first + 2 * half * half * square);
   v.slope.col(0) = cosine * first + sine * square;
   for (int e = 0; e < D * D; ++e) v.second[e](0, 0) = (-sine * first(e) + cosine * square(e)) / rotation.length;
   return v;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/require.h"
@@ -93,7 +94,7 @@ RowFriction::RowFriction(std::string name, Row row, double force, double speed)
 
 void RowFriction::evaluate(const Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
-  const double h = at.step->h, v = (row_.dot(at.y) - row_.dot(at.step->y0)) / h, r = std::hypot(v, speed_);
+  const double h = at.step->h, v = (row_.dot(at.y) - row_.dot(at.step->y0)) / h, r = common::hypot(v, speed_);
   add(at, h * force_ * (r - speed_), force_ * v / r, force_ * speed_ * speed_ / (r * r * r * h), order, sum);
 }
 
@@ -114,8 +115,8 @@ double stopDamping(const std::string& term, double stiffness, double mass, doubl
   require(restitution > 0 && restitution <= 1, "restitution", restitution, "(0, 1]");
   require(mass > 0 && std::isfinite(mass), "mass", mass, "> 0");
   require(stiffness > 0 && std::isfinite(stiffness), "stiffness", stiffness, "> 0");
-  const double log = std::log(restitution), pi = std::acos(-1.0);
-  return 2 * (-log / std::hypot(pi, log)) * std::sqrt(stiffness * mass);
+  const double log = common::log(restitution), pi = std::acos(-1.0);
+  return 2 * (-log / common::hypot(pi, log)) * std::sqrt(stiffness * mass);
 }
 
 RowStopLoss::RowStopLoss(std::string name, Row row, double gap, double stiffness, double mass, double restitution)

@@ -9,6 +9,7 @@
 #include <limits>
 #include <mutex>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/solver/serial_regions.h"
 #include "supernodal.h"
@@ -268,7 +269,7 @@ double Cholesky::distance(const std::vector<double>& values) const {
   std::vector<double> change(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) change[s.place[k]] = values[k] - s.permuted[s.place[k]];
   Eigen::VectorXd v(s.pattern.size);
-  for (int k = 0; k < v.size(); ++k) v(k) = std::sin(1.7 * k + 0.3);  // no symmetry of a body has this
+  for (int k = 0; k < v.size(); ++k) v(k) = common::sin(1.7 * k + 0.3);  // no symmetry of a body has this
   const Eigen::VectorXd push = v;
   v = solvePermuted(push);  // rich in soft motions, which lose their stability first
   double energy = v.dot(push), ratio = 0;

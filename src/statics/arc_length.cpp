@@ -92,7 +92,8 @@ class ArcFollower {
     count(result);
     if (!result.converged()) return result;
     // A long way from the tangent is a step too long, or another branch.
-    const double off = std::sqrt(w_ * (next.z - guess).squaredNorm() + std::pow(next.p(0) - guess_p, 2));
+    const double moved = next.p(0) - guess_p;
+    const double off = std::sqrt(w_ * (next.z - guess).squaredNorm() + moved * moved);
     const bool far = off > FARTHEST_CORRECTION * ds;
     if ((next.p(0) - settings_.end) * direction > 0) land(next);
     double along = w_ * t_z_.dot(next.slope) + t_p_;

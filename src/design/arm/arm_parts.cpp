@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/provenance.h"
 
 namespace snapwing::design {
@@ -29,7 +30,8 @@ Loop box(double x, double y, double half_width, double half_height, double angle
   Loop loop;
   for (const auto& [sx, sy] : {std::pair{-1., -1.}, {1., -1.}, {1., 1.}, {-1., 1.}}) {
     const double px = x + sx * half_width, py = y + sy * half_height;
-    loop.push_back({px * std::cos(angle) - py * std::sin(angle), px * std::sin(angle) + py * std::cos(angle)});
+    loop.push_back(
+        {px * common::cos(angle) - py * common::sin(angle), px * common::sin(angle) + py * common::cos(angle)});
   }
   return loop;
 }
@@ -142,8 +144,8 @@ ArmPartsReport saveArmParts(const vehicle::Vehicle& vehicle, const ArmShape& sha
     const double angle = 2 * std::acos(-1.0) * k / arm.count;
     for (const double side : {-1.0, 1.0}) {
       const double y = side * (0.5 * arm.bar_thickness + 2 * SCREW_HOLE);
-      ring.push_back({g.ring_radius * std::cos(angle) - y * std::sin(angle),
-                      g.ring_radius * std::sin(angle) + y * std::cos(angle), SCREW_HOLE});
+      ring.push_back({g.ring_radius * common::cos(angle) - y * common::sin(angle),
+                      g.ring_radius * common::sin(angle) + y * common::cos(angle), SCREW_HOLE});
     }
     slots.push_back(box(g.housing_radius - 0.008, 0, 0.004, 0.5 * arm.leg_thickness + CLEARANCE, angle));
   }

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "snapwing/common/checkpoint_bytes.h"
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/design/arm/arm_topology.h"
@@ -294,8 +295,8 @@ GradientCheck checkArmGradients(const ArmDesignSettings& settings, double share,
   const std::vector<std::string> names = problem.constraintNames();
   Eigen::VectorXd x = problem.start(), direction = x;
   for (Eigen::Index k = 0; k < x.size(); ++k) {
-    x(k) = std::clamp(x(k) - 0.05 - 0.1 * std::sin(0.37 * static_cast<double>(k)), 0.02, 0.97);
-    direction(k) = 0.5 + 0.5 * std::cos(0.11 * static_cast<double>(k) + 0.4);
+    x(k) = std::clamp(x(k) - 0.05 - 0.1 * common::sin(0.37 * static_cast<double>(k)), 0.02, 0.97);
+    direction(k) = 0.5 + 0.5 * common::cos(0.11 * static_cast<double>(k) + 0.4);
   }
   const Evaluated at = problem.evaluate(x, true);
   check.valid = at.valid;

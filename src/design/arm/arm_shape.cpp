@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "snapwing/common/elementary.h"
+
 namespace snapwing::design {
 
 namespace {
@@ -24,7 +26,7 @@ double segmentDistance(const std::array<double, 2>& a, const std::array<double, 
   const double dx = b[0] - a[0], dy = b[1] - a[1];
   const double length = dx * dx + dy * dy;
   const double t = length > 0 ? std::clamp(((x - a[0]) * dx + (y - a[1]) * dy) / length, 0.0, 1.0) : 0.0;
-  return std::hypot(x - a[0] - t * dx, y - a[1] - t * dy);
+  return common::hypot(x - a[0] - t * dx, y - a[1] - t * dy);
 }
 
 }  // namespace
@@ -96,7 +98,7 @@ mpm::DensityField ArmShape::cover(const mpm::DensityField& domain, double offset
       if (value < 0) continue;
       const double distance = signedDistance((i + 0.5) * h, (j + 0.5) * h) - offset;
       const double share = std::clamp(0.5 - distance / h, 0.0, 1.0);
-      value = share < LEAST ? -1 : std::pow(share, 1 / power);
+      value = share < LEAST ? -1 : common::pow(share, 1 / power);
     }
   }
   // Flood from the pin over faces.

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "arm_states.h"
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/design/arm/design_scene.h"
 
@@ -163,10 +164,10 @@ void ArmTopology::beginIteration(int k, int /*total*/) {
   const int all = s.iterations();
   const double share = all > 1 ? std::min(1.0, static_cast<double>(before + k) / (all - 1)) : 1;
   const double way = std::clamp((share - s.sharpness_from) / std::max(1e-9, s.sharpness_to - s.sharpness_from), 0., 1.);
-  sharpness_ = s.sharpness_start > 0 ? s.sharpness_start * std::pow(s.sharpness_end / s.sharpness_start, way)
+  sharpness_ = s.sharpness_start > 0 ? s.sharpness_start * common::pow(s.sharpness_end / s.sharpness_start, way)
                                      : way * s.sharpness_end;
   const double lowered = s.volume_until > 0 ? std::clamp(share / s.volume_until, 0., 1.) : 1;
-  volume_bound_ = s.volume_start * std::pow(s.volume / s.volume_start, lowered);
+  volume_bound_ = s.volume_start * common::pow(s.volume / s.volume_start, lowered);
   retrace_wanted_ = (retrace_wanted_ || k % RETRACE_EVERY == 0) && !restored_;
   restored_ = false;
   buildMaps();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/design/arm/mechanism.h"
 #include "snapwing/scene/arm_scene.h"
@@ -91,7 +92,7 @@ Eigen::VectorXd designPatches(const ArmDesignSettings& s, const std::vector<std:
     const mpm::Point3 x(centres[k][0], centres[k][1], 0);
     bool solid = false;
     for (const scene::ScenePin& pin : scene.pins) {
-      solid = solid || (pin.body == s.body && std::hypot(x(0) - pin.x, x(1) - pin.y) < s.pin_patch);
+      solid = solid || (pin.body == s.body && common::hypot(x(0) - pin.x, x(1) - pin.y) < s.pin_patch);
     }
     for (const scene::ScenePort& port : scene.ports) {
       mpm::Box strip = port.region;

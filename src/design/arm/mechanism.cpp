@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/mpm/strain.h"
 #include "snapwing/solver/sensitivity.h"
@@ -146,9 +147,12 @@ Mechanism::Strain Mechanism::strainOf(const mpm::Discretisation<D>& solid, doubl
     return result;
   }
   const Eigen::ArrayXd scaled = s.array() / result.largest;  // powers of it do not overflow
-  result.value = result.largest * std::pow(scaled.pow(power).sum(), 1 / power);
+  const auto raised = [](const Eigen::ArrayXd& base, double exponent) -> Eigen::ArrayXd {
+    return base.unaryExpr([exponent](double value) { return common::pow(value, exponent); });
+  };
+  result.value = result.largest * common::pow(raised(scaled, power).sum(), 1 / power);
   if (!system) return result;
-  const Eigen::ArrayXd weight = (s.array() / result.value).pow(power - 1);  // dS/ds
+  const Eigen::ArrayXd weight = raised(s.array() / result.value, power - 1);  // dS/ds
   Eigen::VectorXd functional = Eigen::VectorXd::Zero(solid.dofCount()),
                   direct = Eigen::VectorXd::Zero(solid.cellCount());
   Eigen::VectorXd value;

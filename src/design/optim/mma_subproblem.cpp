@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "snapwing/common/elementary.h"
+
 namespace snapwing::design {
 
 /// Value, gradient and negative curvature of the dual with barrier, and the x that belongs to lambda.
@@ -34,7 +36,7 @@ MmaSubproblem::Dual MmaSubproblem::dual(const Eigen::VectorXd& lambda, double ba
   const Eigen::VectorXd f = values(d.x);
   const Eigen::VectorXd y = (lambda.array() - penalty).max(0.0);
   d.gradient = f.tail(m) - y;
-  d.value = f(0) + lambda.dot(f.tail(m)) - 0.5 * y.squaredNorm() + barrier * lambda.array().log().sum();
+  d.value = f(0) + lambda.dot(f.tail(m)) - 0.5 * y.squaredNorm() + barrier * lambda.unaryExpr(&common::log).sum();
   if (!curvature) return d;
   Eigen::VectorXd weight(m + 1);
   weight << 1.0, lambda;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 
 namespace snapwing::design {
@@ -35,7 +36,7 @@ DensityFilter::DensityFilter(const std::vector<std::array<double, 2>>& centres, 
     entries.emplace_back(order[a], order[a], std::max(radius, 1e-12));
     for (int b = a + 1; b < n && centres[order[b]][0] - ca[0] < radius; ++b) {
       const auto& cb = centres[order[b]];
-      const double weight = radius - std::hypot(ca[0] - cb[0], ca[1] - cb[1]);
+      const double weight = radius - common::hypot(ca[0] - cb[0], ca[1] - cb[1]);
       if (weight <= 1e-9 * radius) continue;
       entries.emplace_back(order[a], order[b], weight);
       entries.emplace_back(order[b], order[a], weight);
@@ -64,15 +65,15 @@ Projection::Projection(double sharpness, double threshold) : sharpness_(sharpnes
 Eigen::VectorXd Projection::eval(const Eigen::VectorXd& x) const {
   // A filter whose rows sum to one up to rounding may leave [0, 1] by as much.
   if (sharpness_ == 0) return x.cwiseMax(0.0).cwiseMin(1.0);
-  const double low = std::tanh(sharpness_ * threshold_);
-  const double span = low + std::tanh(sharpness_ * (1 - threshold_));
-  return ((low + (sharpness_ * (x.array() - threshold_)).tanh()) / span).max(0.0).min(1.0);
+  const double low = common::tanh(sharpness_ * threshold_);
+  const double span = low + common::tanh(sharpness_ * (1 - threshold_));
+  return ((low + (sharpness_ * (x.array() - threshold_)).unaryExpr(&common::tanh)) / span).max(0.0).min(1.0);
 }
 
 Eigen::VectorXd Projection::applyJacobianTranspose(const Eigen::VectorXd& x, const Eigen::VectorXd& g) const {
   if (sharpness_ == 0) return g;
-  const double span = std::tanh(sharpness_ * threshold_) + std::tanh(sharpness_ * (1 - threshold_));
-  const Eigen::ArrayXd th = (sharpness_ * (x.array() - threshold_)).tanh();
+  const double span = common::tanh(sharpness_ * threshold_) + common::tanh(sharpness_ * (1 - threshold_));
+  const Eigen::ArrayXd th = (sharpness_ * (x.array() - threshold_)).unaryExpr(&common::tanh);
   return g.array() * sharpness_ * (1 - th.square()) / span;
 }
 

@@ -1,0 +1,54 @@
+"""A design has the same bytes on every processor. Others are played by the choices that libraries make at run time."""
+import os
+import unittest
+
+import h5py
+from command import ROOT, Case
+
+SETTINGS = (ROOT / "config" / "designs" / "arm_default.yaml").read_text()
+OTHERS = {
+    "BLAS without AVX": {"OPENBLAS_CORETYPE": "Prescott"},
+    "BLAS with AVX2": {"OPENBLAS_CORETYPE": "Haswell"},
+    # Names of glibc 2.33 and later; older ones, and other C libraries, ignore them.
+    "C library without FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4,-AVX512F"},
+}
+
+
+class Processors(Case):
+    def results(self, name, settings, environment):
+        """All numbers of the optimiser's state and of the check's curves, to the last bit."""
+        folder = self.folder / name.replace(" ", "_")
+        self.snapwing("design", "arm", settings, "-o", folder, "-q", "--threads", "1", code=(0, 1),
+                      env={**os.environ, **environment})
+        found = {}
+        for path in sorted(folder.glob("*.h5")):
+            with h5py.File(path) as file:
+                def add(key, item, name=path.name):
+                    if isinstance(item, h5py.Dataset) and item.dtype.kind == "f" and key != "history":  # that has seconds
+                        found[f"{name}:{key}"] = item[()].tobytes()
+                file.visititems(add)
+        return found
+
+    def short(self):
+        """The default's settings in few iterations and with a coarse check, with all that the path of a design computes."""
+        text = SETTINGS.replace("../vehicles", str(ROOT / "config" / "vehicles"))
+        for old, new in (("iterations: 80", "iterations: 4"), ("iterations: 55", "iterations: 1"),
+                         ("  cell_sizes: [0.001, 0.0005]", "  cell_sizes: [0.004, 0.002]"),
+                         ("quadratic_cell_sizes: [0.001, 0.0005]", "quadratic_cell_sizes: []")):
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        return self.file("short.yaml", text)
+
+    def test_a_short_default_design(self):
+        settings = self.short()
+        here = self.results("here", settings, {})
+        self.assertTrue(any(key.startswith("checkpoint.h5:") for key in here) and any(key.startswith("curve_") for key in here), list(here))
+        for name, environment in OTHERS.items():
+            with self.subTest(name):
+                there = self.results(name, settings, environment)
+                self.assertEqual(list(there), list(here))
+                self.assertEqual([key for key in here if there[key] != here[key]], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
