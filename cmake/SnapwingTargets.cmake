@@ -48,6 +48,13 @@ function(snapwing_add_program name)
   set_property(GLOBAL APPEND PROPERTY SNAPWING_PROGRAMS ${name})
 endfunction()
 
+# snapwing_look_inside(<target> <folder below src> ...): may include what a layer keeps to itself: its programs and tests.
+function(snapwing_look_inside target)
+  foreach(folder ${ARGN})
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src/${folder})
+  endforeach()
+endfunction()
+
 # Tests and benchmarks find shipped files through support/paths.h.
 if(SNAPWING_TESTS OR SNAPWING_BENCH)
   add_library(snapwing_test_paths STATIC ${PROJECT_SOURCE_DIR}/test/support/paths.cpp)

@@ -29,6 +29,8 @@ STANDS_ON = {
 FOLDERS = {"design/optim": [], "design/arm": ["design/optim"], "design/wing": ["design/optim", "design/arm"]}
 # Programs may read the vehicle file, whatever their layer's library knows.
 PROGRAMS = {"link": ["vehicle"]}
+# Public headers that no other layer includes: a way in for those who use the library.
+WAYS_IN = {"elasticity/saint_venant_kirchhoff.h", "design/arm/arm_topology.h", "design/wing/wing_parts.h"}
 FEWEST_FILES = 300  # of the layers; fewer means that the folders have moved and nothing is looked at
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.M)
 ROS_HEADER = re.compile(r"^(ros|tf2|tf2_ros|actionlib|std_msgs|geometry_msgs|sensor_msgs|visualization_msgs)/")
@@ -79,12 +81,32 @@ def violations(root):
             for header in INCLUDE.findall(path.read_text()) if forbidden(layer, path, header)]
 
 
+def kept_inside(root):
+    """Public headers that only their own layer needs: they belong in `src`."""
+    headers = {str(path.relative_to(root / "include/snapwing")): path for path in (root / "include/snapwing").rglob("*.h")}
+    needed = {name for name in WAYS_IN if name in headers}
+    for layer, path in [*sources(root), *(("", path) for path in (root / "examples").rglob("*.cpp"))]:
+        needed |= {header[len("snapwing/"):] for header in INCLUDE.findall(path.read_text())
+                   if header.startswith("snapwing/") and header.split("/")[1] != layer}
+    todo = [name for name in needed if name in headers]
+    while todo:
+        for header in INCLUDE.findall(headers[todo.pop()].read_text()):
+            name = header[len("snapwing/"):]
+            if header.startswith("snapwing/") and name in headers and name not in needed:
+                needed.add(name)
+                todo.append(name)
+    return sorted(set(headers) - needed)
+
+
 class Includes(unittest.TestCase):
     def test_nothing_goes_up(self):
         self.assertEqual(violations(ROOT), [])
 
     def test_every_folder_is_a_floor(self):
         self.assertEqual(unknown_folders(ROOT), [])
+
+    def test_what_only_its_layer_needs_is_not_public(self):
+        self.assertEqual(kept_inside(ROOT), [])
 
     def test_the_floors_were_looked_at(self):
         files = list(sources(ROOT))
@@ -110,6 +132,13 @@ class Includes(unittest.TestCase):
                              ["src/design/arm/d.cpp", "src/rom/a.cpp", "src/rom/a.cpp", "src/link/e.cpp",
                               "src/ros/c.cpp", "src/tools/b.cpp"])
             self.assertEqual(unknown_folders(root), ["src/engine"])
+            for name in ("a.h", "b.h"):
+                (root / "include/snapwing/rom").mkdir(parents=True, exist_ok=True)
+                (root / "include/snapwing/rom" / name).write_text("")
+            (root / "src/planning").mkdir()
+            (root / "src/planning/h.cpp").write_text('#include "snapwing/rom/a.h"\n')
+            (root / "src/rom/i.cpp").write_text('#include "snapwing/rom/b.h"\n')
+            self.assertEqual(kept_inside(root), ["rom/b.h"])
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
-#include "snapwing/link/bridge_core.h"
+#include "bridge_core.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "snapwing/link/controller_checks.h"
+#include "controller_checks.h"
 
 namespace snapwing::link {
 namespace {

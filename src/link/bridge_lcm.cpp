@@ -1,4 +1,4 @@
-#include "snapwing/link/bridge_lcm.h"
+#include "bridge_lcm.h"
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
+#include "lcm_messages.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/lcm_messages.h"
 #include "snapwing_lcm/hello_t.hpp"
 
 namespace snapwing::link {

@@ -1,4 +1,4 @@
-#include "snapwing/link/bridge_loop.h"
+#include "bridge_loop.h"
 
 #include <algorithm>
 #include <cmath>

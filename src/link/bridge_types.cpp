@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "controller_checks.h"
 #include "snapwing/common/error.h"
-#include "snapwing/link/controller_checks.h"
 
 namespace snapwing::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "snapwing/link/clock_watch.h"
+#include "clock_watch.h"
 
 #include <algorithm>
 #include <cmath>

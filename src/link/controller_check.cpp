@@ -1,11 +1,11 @@
-#include "snapwing/link/controller_check.h"
+#include "controller_check.h"
 
 #include <poll.h>
 
 #include <cmath>
 
+#include "controller_watch.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/controller_watch.h"
 
 namespace snapwing::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "snapwing/link/controller_checks.h"
+#include "controller_checks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "snapwing/link/controller_watch.h"
+#include "controller_watch.h"
 
 #include <algorithm>
 

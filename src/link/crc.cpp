@@ -1,4 +1,4 @@
-#include "snapwing/link/crc.h"
+#include "crc.h"
 
 #include <array>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "snapwing/link/crc.h"
+#include "crc.h"
 
 namespace snapwing::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "snapwing/link/greetings.h"
+#include "greetings.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "snapwing/link/guardian.h"
+#include "guardian.h"
 
 #include <algorithm>
 #include <cmath>

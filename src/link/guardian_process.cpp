@@ -1,4 +1,4 @@
-#include "snapwing/link/guardian_process.h"
+#include "guardian_process.h"
 
 #include <poll.h>
 #include <signal.h>

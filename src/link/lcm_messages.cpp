@@ -1,4 +1,4 @@
-#include "snapwing/link/lcm_messages.h"
+#include "lcm_messages.h"
 
 #include <algorithm>
 #include <array>

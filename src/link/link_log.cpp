@@ -1,4 +1,4 @@
-#include "snapwing/link/link_log.h"
+#include "link_log.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "snapwing/link/crc.h"
+#include "crc.h"
 
 namespace snapwing::link {
 

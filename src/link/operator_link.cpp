@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lcm_messages.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/lcm_messages.h"
 #include "snapwing_lcm/hello_t.hpp"
 
 namespace snapwing::link {

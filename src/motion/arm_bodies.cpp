@@ -1,4 +1,4 @@
-#include "snapwing/motion/arm_bodies.h"
+#include "arm_bodies.h"
 
 #include <algorithm>
 #include <type_traits>

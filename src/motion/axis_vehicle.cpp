@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "arm_bodies.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
-#include "snapwing/motion/arm_bodies.h"
 #include "snapwing/solver/load_term.h"
 #include "snapwing/solver/row_terms.h"
 

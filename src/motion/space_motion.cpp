@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm_bodies.h"
 #include "snapwing/common/plain_text.h"
-#include "snapwing/motion/arm_bodies.h"
 #include "snapwing/motion/space_vehicle.h"
 
 namespace snapwing::motion {

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "arm_bodies.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/common/require.h"
-#include "snapwing/motion/arm_bodies.h"
 #include "snapwing/solver/elastic_term.h"
 #include "snapwing/solver/load_term.h"
 #include "snapwing/solver/material_damping.h"

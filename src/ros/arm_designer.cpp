@@ -1,10 +1,10 @@
-#include "snapwing/ros/arm_designer.h"
+#include "arm_designer.h"
 
 #include <filesystem>
 #include <utility>
 
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/topics.h"
+#include "conversions.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 

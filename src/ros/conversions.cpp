@@ -1,4 +1,4 @@
-#include "snapwing/ros/conversions.h"
+#include "conversions.h"
 
 #include <snapwing/ModeState.h>
 #include <snapwing/PredictSnap.h>

@@ -1,11 +1,11 @@
-#include "snapwing/ros/imu_relay.h"
+#include "imu_relay.h"
 
 #include <ros/this_node.h>
 
 #include <algorithm>
 
-#include "snapwing/ros/clocks.h"
-#include "snapwing/ros/topics.h"
+#include "clocks.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 namespace {

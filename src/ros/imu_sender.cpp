@@ -1,4 +1,4 @@
-#include "snapwing/ros/imu_sender.h"
+#include "imu_sender.h"
 
 #include <netinet/in.h>
 #include <sys/socket.h>

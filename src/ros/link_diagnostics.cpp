@@ -1,4 +1,4 @@
-#include "snapwing/ros/link_diagnostics.h"
+#include "link_diagnostics.h"
 
 namespace snapwing::nodes {
 namespace {

@@ -1,4 +1,4 @@
-#include "snapwing/ros/link_worker.h"
+#include "link_worker.h"
 
 #include <chrono>
 #include <cmath>

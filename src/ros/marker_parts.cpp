@@ -1,4 +1,4 @@
-#include "snapwing/ros/marker_parts.h"
+#include "marker_parts.h"
 
 #include <algorithm>
 #include <array>

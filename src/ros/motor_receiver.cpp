@@ -1,4 +1,4 @@
-#include "snapwing/ros/motor_receiver.h"
+#include "motor_receiver.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "snapwing/ros/node_main.h"
+#include "node_main.h"
 
 #include <ros/callback_queue.h>
 #include <ros/console.h>

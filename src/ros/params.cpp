@@ -1,4 +1,4 @@
-#include "snapwing/ros/params.h"
+#include "params.h"
 
 #include <ros/console.h>
 

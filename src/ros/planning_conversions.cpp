@@ -1,6 +1,6 @@
-#include "snapwing/ros/planning_conversions.h"
+#include "planning_conversions.h"
 
-#include "snapwing/ros/conversions.h"
+#include "conversions.h"
 
 namespace snapwing::nodes {
 

@@ -1,4 +1,4 @@
-#include "snapwing/ros/trial_bag.h"
+#include "trial_bag.h"
 
 #include <rosbag/bag.h>
 #include <sensor_msgs/JointState.h>
@@ -13,13 +13,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "conversions.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/output_file.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/topics.h"
-#include "snapwing/ros/vehicle_picture.h"
-#include "snapwing/ros/wing_picture.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "topics.h"
+#include "vehicle_picture.h"
+#include "wing_picture.h"
 
 namespace snapwing::nodes {
 

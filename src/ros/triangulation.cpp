@@ -1,4 +1,4 @@
-#include "snapwing/ros/triangulation.h"
+#include "triangulation.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,10 +1,10 @@
-#include "snapwing/ros/vehicle_picture.h"
+#include "vehicle_picture.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "snapwing/ros/marker_parts.h"
-#include "snapwing/ros/wing_picture.h"
+#include "marker_parts.h"
+#include "wing_picture.h"
 
 namespace snapwing::nodes {
 

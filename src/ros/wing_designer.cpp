@@ -1,10 +1,10 @@
-#include "snapwing/ros/wing_designer.h"
+#include "wing_designer.h"
 
 #include <filesystem>
 #include <limits>
 #include <utility>
 
-#include "snapwing/ros/topics.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 

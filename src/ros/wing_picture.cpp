@@ -1,10 +1,10 @@
-#include "snapwing/ros/wing_picture.h"
+#include "wing_picture.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "snapwing/ros/marker_parts.h"
+#include "marker_parts.h"
 
 namespace snapwing::nodes {
 

@@ -1,4 +1,4 @@
-#include "snapwing/solver/conjugate_gradients.h"
+#include "conjugate_gradients.h"
 
 #include <cmath>
 

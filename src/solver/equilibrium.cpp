@@ -5,9 +5,9 @@
 #include <sstream>
 #include <utility>
 
+#include "conjugate_gradients.h"
 #include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
-#include "snapwing/solver/conjugate_gradients.h"
 
 namespace snapwing::solver {
 

@@ -5,10 +5,10 @@
 #include <sstream>
 #include <utility>
 
+#include "conjugate_gradients.h"
 #include "snapwing/common/enum_names.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
-#include "snapwing/solver/conjugate_gradients.h"
 
 namespace snapwing::solver {
 

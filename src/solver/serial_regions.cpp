@@ -1,4 +1,4 @@
-#include "snapwing/solver/serial_regions.h"
+#include "serial_regions.h"
 
 #include <dlfcn.h>
 #include <omp.h>

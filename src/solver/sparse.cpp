@@ -9,9 +9,9 @@
 #include <limits>
 #include <mutex>
 
+#include "serial_regions.h"
 #include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
-#include "snapwing/solver/serial_regions.h"
 #include "supernodal.h"
 
 // OpenBLAS's own entry point; its header clashes with others, so that only this one function is declared.

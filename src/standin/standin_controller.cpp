@@ -1,4 +1,4 @@
-#include "snapwing/standin/standin_controller.h"
+#include "standin_controller.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "snapwing/standin/standin_controller.h"
+#include "standin_controller.h"
 
 namespace snapwing::standin {
 namespace {

@@ -1,4 +1,4 @@
-#include "snapwing/standin/standin_port.h"
+#include "standin_port.h"
 
 namespace snapwing::standin {
 

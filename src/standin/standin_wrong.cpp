@@ -1,4 +1,4 @@
-#include "snapwing/standin/standin_wrong.h"
+#include "standin_wrong.h"
 
 #include "snapwing/common/error.h"
 

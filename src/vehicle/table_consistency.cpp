@@ -1,4 +1,4 @@
-#include "snapwing/vehicle/table_consistency.h"
+#include "table_consistency.h"
 
 #include <algorithm>
 #include <cmath>

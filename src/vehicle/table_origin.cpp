@@ -8,7 +8,7 @@
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/vehicle/force_curve_file.h"
-#include "snapwing/vehicle/table_consistency.h"
+#include "table_consistency.h"
 
 namespace snapwing::vehicle {
 

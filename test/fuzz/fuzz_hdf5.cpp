@@ -7,9 +7,9 @@
 #include <cstring>
 #include <iterator>
 
+#include "array_file.h"
 #include "fuzz_file.h"
 #include "snapwing/common/hdf5_file.h"
-#include "snapwing/design/optim/array_file.h"
 #include "snapwing/mpm/density_file.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/wing_table.h"

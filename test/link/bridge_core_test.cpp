@@ -1,5 +1,5 @@
 /// The bridge's state machine on a fake clock.
-#include "snapwing/link/bridge_core.h"
+#include "bridge_core.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// Bridge and stand-in together: what the motors do when something dies, stops or blocks in the middle of a pulse.
-#include "snapwing/link/bridge_loop.h"
+#include "bridge_loop.h"
 
 #include <gtest/gtest.h>
 

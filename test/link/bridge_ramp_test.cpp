@@ -1,8 +1,8 @@
 /// The ramp of the throttle, and the settings' ranges.
 #include <gtest/gtest.h>
 
+#include "bridge_core.h"
 #include "snapwing/common/error.h"
-#include "snapwing/link/bridge_core.h"
 
 namespace snapwing::link {
 namespace {

@@ -1,14 +1,14 @@
 /// What must be right before arming: each wrong configuration is refused with a sentence that names the mend.
-#include "snapwing/link/controller_checks.h"
+#include "controller_checks.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
+#include "controller_check.h"
 #include "link/loop_simulation.h"
 #include "snapwing/common/error.h"
-#include "snapwing/link/controller_check.h"
-#include "snapwing/standin/standin_wrong.h"
+#include "standin_wrong.h"
 
 namespace snapwing::link {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "snapwing/link/bridge_core.h"
+#include "bridge_core.h"
 
 namespace snapwing::link::test {
 

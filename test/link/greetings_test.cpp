@@ -1,5 +1,5 @@
 // A recorded hello has a good seal for ever: it must take no living operator's answers away.
-#include "snapwing/link/greetings.h"
+#include "greetings.h"
 
 #include <gtest/gtest.h>
 

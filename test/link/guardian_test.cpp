@@ -1,5 +1,5 @@
 /// The guardian's logic on counted wakings, and the process itself with a socket as its line.
-#include "snapwing/link/guardian.h"
+#include "guardian.h"
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -8,8 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "guardian_process.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/guardian_process.h"
 
 namespace snapwing::link {
 namespace {

@@ -1,5 +1,5 @@
 /// Clocks that jump, and what the log says.
-#include "snapwing/link/link_log.h"
+#include "link_log.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "clock_watch.h"
 #include "snapwing/common/error.h"
-#include "snapwing/link/clock_watch.h"
 
 namespace snapwing::link {
 namespace {

@@ -9,8 +9,8 @@
 #include <memory>
 #include <optional>
 
-#include "snapwing/link/bridge_loop.h"
-#include "snapwing/standin/standin_controller.h"
+#include "bridge_loop.h"
+#include "standin_controller.h"
 
 namespace snapwing::link::test {
 

@@ -4,8 +4,8 @@
 
 #include <random>
 
+#include "crc.h"
 #include "link/hex.h"
-#include "snapwing/link/crc.h"
 #include "snapwing/link/imu_question.h"
 #include "snapwing/link/msp_messages.h"
 

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <random>
 
+#include "lcm_messages.h"
 #include "snapwing/common/error.h"
-#include "snapwing/link/lcm_messages.h"
-#include "snapwing/link/spsc_ring.h"
 #include "snapwing_lcm/hello_t.hpp"
+#include "spsc_ring.h"
 
 namespace snapwing::link {
 namespace {

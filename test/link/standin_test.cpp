@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "snapwing/standin/standin_controller.h"
+#include "standin_controller.h"
 
 namespace snapwing::link {
 namespace {

@@ -1,9 +1,9 @@
 /// One rule for throttle from the command to the motors, and what happens if two programs have two.
 #include <gtest/gtest.h>
 
+#include "lcm_messages.h"
 #include "link/loop_simulation.h"
 #include "snapwing/common/error.h"
-#include "snapwing/link/lcm_messages.h"
 #include "snapwing/vehicle/pulse.h"
 
 namespace snapwing::link {

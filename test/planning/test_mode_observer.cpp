@@ -6,7 +6,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/planning/mode_observer.h"
-#include "snapwing/standin/standin_controller.h"
+#include "standin_controller.h"
 #include "support/example_table.h"
 #include "support/paths.h"
 

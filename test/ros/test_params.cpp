@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "params.h"
 #include "snapwing/common/error.h"
-#include "snapwing/ros/params.h"
 
 namespace snapwing::nodes {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "snapwing/ros/vehicle_picture.h"
 #include "snapwing/vehicle/wing_table.h"
 #include "support/paths.h"
+#include "vehicle_picture.h"
 
 namespace snapwing::nodes {
 namespace {

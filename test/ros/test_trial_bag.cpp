@@ -12,12 +12,12 @@
 #include <map>
 
 #include "snapwing/common/error.h"
-#include "snapwing/ros/trial_bag.h"
-#include "snapwing/ros/wing_picture.h"
 #include "snapwing/vehicle/vehicle.h"
 #include "snapwing/vehicle/wing_table.h"
 #include "support/own_folder.h"
 #include "support/paths.h"
+#include "trial_bag.h"
+#include "wing_picture.h"
 
 namespace snapwing::nodes {
 namespace {

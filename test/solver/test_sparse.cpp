@@ -4,9 +4,9 @@
 #include <atomic>
 #include <random>
 
+#include "serial_regions.h"
 #include "snapwing/common/error.h"
 #include "snapwing/solver/reduction.h"
-#include "snapwing/solver/serial_regions.h"
 #include "snapwing/solver/sparse.h"
 
 /// What `#pragma omp parallel` becomes.

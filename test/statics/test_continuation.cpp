@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "snapwing/solver/conjugate_gradients.h"
+#include "conjugate_gradients.h"
 #include "snapwing/statics/predictor.h"
 
 namespace snapwing::statics {

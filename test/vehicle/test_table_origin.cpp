@@ -9,9 +9,9 @@
 #include "snapwing/common/output_file.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/vehicle/force_curve_file.h"
-#include "snapwing/vehicle/table_consistency.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "support/paths.h"
+#include "table_consistency.h"
 
 namespace snapwing::vehicle {
 namespace {

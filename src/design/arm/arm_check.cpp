@@ -8,11 +8,11 @@
 #include <mutex>
 #include <utility>
 
+#include "arm_extrapolation.h"
 #include "arm_judgement.h"
+#include "design_scene.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/parallel.h"
-#include "snapwing/design/arm/arm_extrapolation.h"
-#include "snapwing/design/arm/design_scene.h"
 #include "snapwing/statics/scene_curve.h"
 
 namespace snapwing::design {

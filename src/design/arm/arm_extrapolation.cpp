@@ -1,4 +1,4 @@
-#include "snapwing/design/arm/arm_extrapolation.h"
+#include "arm_extrapolation.h"
 
 #include <algorithm>
 #include <cmath>

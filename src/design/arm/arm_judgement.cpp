@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "snapwing/design/arm/arm_extrapolation.h"
+#include "arm_extrapolation.h"
 
 namespace snapwing::design {
 

@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <sstream>
 
+#include "array_file.h"
+#include "design_scene.h"
 #include "snapwing/common/checkpoint_bytes.h"
 #include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/design/arm/arm_topology.h"
-#include "snapwing/design/arm/design_scene.h"
 #include "snapwing/design/design_program.h"
-#include "snapwing/design/optim/array_file.h"
 
 namespace snapwing::design {
 

@@ -5,9 +5,9 @@
 #include <cstdio>
 
 #include "arm_states.h"
+#include "design_scene.h"
 #include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
-#include "snapwing/design/arm/design_scene.h"
 
 namespace snapwing::design {
 

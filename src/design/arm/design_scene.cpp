@@ -1,4 +1,4 @@
-#include "snapwing/design/arm/design_scene.h"
+#include "design_scene.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "snapwing/design/optim/array_file.h"
+#include "array_file.h"
 
 #include <hdf5.h>
 

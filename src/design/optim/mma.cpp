@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mma_subproblem.h"
 #include "optimizer_loop.h"
-#include "snapwing/design/optim/mma_subproblem.h"
 #include "snapwing/design/optim/optimizer.h"
 
 namespace snapwing::design {

@@ -1,4 +1,4 @@
-#include "snapwing/design/optim/mma_subproblem.h"
+#include "mma_subproblem.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "linkage_jet.h"
 #include "snapwing/design/wing/linkage_elastic.h"
-#include "snapwing/design/wing/linkage_jet.h"
 
 namespace snapwing::design {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "linkage_jet.h"
 #include "snapwing/design/wing/linkage_four_bar.h"
-#include "snapwing/design/wing/linkage_jet.h"
 
 namespace snapwing::design {
 

@@ -16,16 +16,16 @@
 #include <cstdio>
 #include <optional>
 
+#include "bridge_lcm.h"
+#include "bridge_loop.h"
+#include "clock_watch.h"
+#include "controller_check.h"
+#include "guardian_process.h"
+#include "link_log.h"
 #include "own_arguments.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
-#include "snapwing/link/bridge_lcm.h"
-#include "snapwing/link/bridge_loop.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/clock_watch.h"
-#include "snapwing/link/controller_check.h"
-#include "snapwing/link/guardian_process.h"
-#include "snapwing/link/link_log.h"
 #include "snapwing/link/realtime.h"
 #include "snapwing/link/transport.h"
 #include "snapwing/vehicle/pulse.h"

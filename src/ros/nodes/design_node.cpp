@@ -11,16 +11,16 @@
 #include <filesystem>
 #include <limits>
 
+#include "arm_designer.h"
+#include "conversions.h"
+#include "design_job.h"
+#include "node_main.h"
+#include "params.h"
 #include "snapwing/common/error.h"
-#include "snapwing/ros/arm_designer.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/design_job.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/params.h"
-#include "snapwing/ros/topics.h"
-#include "snapwing/ros/wing_designer.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "topics.h"
+#include "wing_designer.h"
 
 namespace snapwing::nodes {
 

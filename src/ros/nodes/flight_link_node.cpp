@@ -22,15 +22,15 @@
 #include <thread>
 #include <vector>
 
+#include "imu_relay.h"
+#include "link_diagnostics.h"
+#include "link_worker.h"
+#include "node_main.h"
+#include "params.h"
+#include "seal_conversions.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/realtime.h"
-#include "snapwing/ros/imu_relay.h"
-#include "snapwing/ros/link_diagnostics.h"
-#include "snapwing/ros/link_worker.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/params.h"
-#include "snapwing/ros/seal_conversions.h"
-#include "snapwing/ros/topics.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 namespace {

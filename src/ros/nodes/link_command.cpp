@@ -14,12 +14,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "conversions.h"
+#include "seal_conversions.h"
 #include "snapwing/common/error.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/seal_conversions.h"
-#include "snapwing/ros/topics.h"
 #include "snapwing/vehicle/pulse.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 namespace {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "snapwing/common/error.h"
-#include "snapwing/ros/topics.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 namespace {

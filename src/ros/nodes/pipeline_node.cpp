@@ -12,13 +12,13 @@
 #include <functional>
 #include <string>
 
+#include "node_main.h"
+#include "params.h"
 #include "snapwing/common/error.h"
 #include "snapwing/pipeline/design_pipeline.h"
 #include "snapwing/pipeline/time_left.h"
 #include "snapwing/pipeline/validate_vehicle.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/params.h"
-#include "snapwing/ros/topics.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 

@@ -7,12 +7,12 @@
 
 #include <chrono>
 
+#include "conversions.h"
+#include "node_main.h"
+#include "planning_conversions.h"
 #include "snapwing/rom/lumped_model.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/planning_conversions.h"
-#include "snapwing/ros/topics.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 

@@ -19,18 +19,18 @@
 #include <random>
 #include <thread>
 
+#include "clocks.h"
+#include "conversions.h"
+#include "imu_sender.h"
+#include "motor_receiver.h"
+#include "node_main.h"
+#include "params.h"
 #include "snapwing/common/time_watch.h"
 #include "snapwing/link/realtime.h"
-#include "snapwing/ros/clocks.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/imu_sender.h"
-#include "snapwing/ros/motor_receiver.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/params.h"
-#include "snapwing/ros/topics.h"
 #include "snapwing/standin/plant.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "snapwing/vehicle/trial.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 

@@ -19,16 +19,16 @@
 #include <map>
 #include <mutex>
 
+#include "clocks.h"
+#include "conversions.h"
+#include "node_main.h"
+#include "planning_conversions.h"
+#include "seal_conversions.h"
 #include "snapwing/common/time_watch.h"
 #include "snapwing/planning/pulse_planner.h"
 #include "snapwing/planning/switch_protocol.h"
-#include "snapwing/ros/clocks.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/planning_conversions.h"
-#include "snapwing/ros/seal_conversions.h"
-#include "snapwing/ros/topics.h"
 #include "snapwing/vehicle/table_origin.h"
+#include "topics.h"
 
 namespace snapwing::nodes {
 

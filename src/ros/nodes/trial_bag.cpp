@@ -1,7 +1,7 @@
 /// trial_bag FOLDER...: run.bag of trials that `snapwing trial -o FOLDER` has run; `snapwing trial --bag` calls it. No
 /// node: it needs no master.
 
-#include "snapwing/ros/trial_bag.h"
+#include "trial_bag.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

@@ -20,16 +20,16 @@
 #include <limits>
 #include <optional>
 
+#include "clocks.h"
+#include "conversions.h"
+#include "node_main.h"
+#include "params.h"
 #include "snapwing/common/error.h"
 #include "snapwing/planning/mode_observer.h"
-#include "snapwing/ros/clocks.h"
-#include "snapwing/ros/conversions.h"
-#include "snapwing/ros/node_main.h"
-#include "snapwing/ros/params.h"
-#include "snapwing/ros/topics.h"
-#include "snapwing/ros/vehicle_picture.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "snapwing/vehicle/wing_table.h"
+#include "topics.h"
+#include "vehicle_picture.h"
 
 namespace snapwing::nodes {
 

@@ -20,9 +20,9 @@
 #include "snapwing/link/clock.h"
 #include "snapwing/link/realtime.h"
 #include "snapwing/link/transport.h"
-#include "snapwing/standin/standin_controller.h"
-#include "snapwing/standin/standin_port.h"
-#include "snapwing/standin/standin_wrong.h"
+#include "standin_controller.h"
+#include "standin_port.h"
+#include "standin_wrong.h"
 
 namespace {
 

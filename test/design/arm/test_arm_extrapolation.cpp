@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "arm_extrapolation.h"
 #include "arm_judgement.h"
-#include "snapwing/design/arm/arm_extrapolation.h"
 
 namespace snapwing::design {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "design_scene.h"
 #include "snapwing/design/arm/arm_parts.h"
-#include "snapwing/design/arm/design_scene.h"
 #include "support/example_arm.h"
 
 namespace snapwing::design {

@@ -6,14 +6,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "array_file.h"
+#include "design_scene.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/design/arm/arm_check.h"
 #include "snapwing/design/arm/arm_run.h"
 #include "snapwing/design/arm/arm_topology.h"
-#include "snapwing/design/arm/design_scene.h"
 #include "snapwing/design/design_program.h"
-#include "snapwing/design/optim/array_file.h"
 #include "support/paths.h"
 
 namespace snapwing::design {

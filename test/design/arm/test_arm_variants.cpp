@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "design_scene.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
 #include "snapwing/design/arm/arm_outcome.h"
 #include "snapwing/design/arm/arm_topology.h"
-#include "snapwing/design/arm/design_scene.h"
 #include "snapwing/design/design_program.h"
 #include "snapwing/solver/newton.h"
 #include "snapwing/statics/path.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "mma_subproblem.h"
 #include "snapwing/common/error.h"
-#include "snapwing/design/optim/mma_subproblem.h"
 #include "snapwing/design/optim/optimizer.h"
 
 namespace snapwing::design {

@@ -1,7 +1,7 @@
 // Jets against central differences of the same expression, first and second order.
 #include <gtest/gtest.h>
 
-#include "snapwing/design/wing/linkage_jet.h"
+#include "linkage_jet.h"
 
 namespace snapwing::design {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "snapwing/link/bridge_core.h"
+#include "bridge_core.h"
 
 using namespace snapwing::link;
 

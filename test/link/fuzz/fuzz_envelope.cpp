@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "snapwing/link/lcm_messages.h"
+#include "lcm_messages.h"
 #include "snapwing/link/sealing.h"
 
 using namespace snapwing::link;

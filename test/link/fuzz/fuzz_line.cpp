@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "snapwing/link/controller_watch.h"
-#include "snapwing/standin/standin_controller.h"
+#include "controller_watch.h"
+#include "standin_controller.h"
 
 using namespace snapwing::link;
 using namespace snapwing::standin;

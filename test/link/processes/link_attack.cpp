@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
+#include "lcm_messages.h"
 #include "snapwing/link/clock.h"
-#include "snapwing/link/lcm_messages.h"
 #include "snapwing/link/operator_link.h"
 #include "snapwing/link/sealing.h"
 

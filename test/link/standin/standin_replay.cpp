@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/standin/standin_port.h"
+#include "standin_port.h"
 
 using namespace snapwing;
 

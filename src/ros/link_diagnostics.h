@@ -4,8 +4,8 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <snapwing/LinkStatus.h>
 
+#include "link_worker.h"
 #include "snapwing/common/loan.h"
-#include "snapwing/ros/link_worker.h"
 
 namespace snapwing::nodes {
 

@@ -7,12 +7,12 @@
 #include <memory>
 #include <set>
 
+#include "bridge_core.h"
+#include "controller_watch.h"
+#include "guardian.h"
 #include "snapwing/common/loan.h"
-#include "snapwing/link/bridge_core.h"
-#include "snapwing/link/controller_watch.h"
-#include "snapwing/link/guardian.h"
-#include "snapwing/link/spsc_ring.h"
 #include "snapwing/link/transport.h"
+#include "spsc_ring.h"
 
 namespace snapwing::link {
 

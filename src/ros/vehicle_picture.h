@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/ros/triangulation.h"
 #include "snapwing/vehicle/force_table.h"
 #include "snapwing/vehicle/mode.h"
 #include "snapwing/vehicle/vehicle.h"
 #include "snapwing/vehicle/wing_table.h"
+#include "triangulation.h"
 
 namespace snapwing::nodes {
 

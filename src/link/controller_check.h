@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "snapwing/link/controller_checks.h"
+#include "controller_checks.h"
 #include "snapwing/link/transport.h"
 
 namespace snapwing::link {

@@ -7,8 +7,8 @@
 
 #include <string>
 
+#include "design_job.h"
 #include "snapwing/design/wing/wing_outcome.h"
-#include "snapwing/ros/design_job.h"
 #include "snapwing/vehicle/vehicle.h"
 
 namespace snapwing::nodes {

@@ -1,8 +1,8 @@
 #pragma once
 /// Between the link's plain data and its LCM types. The only place that knows both.
 
+#include "controller_watch.h"
 #include "snapwing/link/bridge_types.h"
-#include "snapwing/link/controller_watch.h"
 #include "snapwing_lcm/abort_t.hpp"
 #include "snapwing_lcm/heartbeat_t.hpp"
 #include "snapwing_lcm/link_status_t.hpp"

@@ -6,8 +6,8 @@
 
 #include <string>
 
+#include "design_job.h"
 #include "snapwing/design/arm/arm_outcome.h"
-#include "snapwing/ros/design_job.h"
 
 namespace snapwing::nodes {
 

@@ -7,7 +7,7 @@
 #include "snapwing/common/loan.h"
 #include "snapwing/link/crsf.h"
 #include "snapwing/link/sbus.h"
-#include "snapwing/standin/standin_controller.h"
+#include "standin_controller.h"
 
 namespace snapwing::standin {
 

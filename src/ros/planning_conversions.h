@@ -4,8 +4,8 @@
 #include <snapwing/SnapPrediction.h>
 #include <snapwing/TransitionPlan.h>
 
+#include "params.h"
 #include "snapwing/planning/pulse_planner.h"
-#include "snapwing/ros/params.h"
 #include "snapwing/vehicle/trial.h"
 
 namespace snapwing::nodes {

@@ -6,9 +6,9 @@
 #include <string>
 #include <thread>
 
+#include "bridge_loop.h"
+#include "greetings.h"
 #include "snapwing/common/loan.h"
-#include "snapwing/link/bridge_loop.h"
-#include "snapwing/link/greetings.h"
 #include "snapwing/link/lcm_socket.h"
 #include "snapwing/link/sealing.h"
 #include "snapwing_lcm/link_status_t.hpp"

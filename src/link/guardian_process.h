@@ -5,9 +5,9 @@
 
 #include <memory>
 
-#include "snapwing/link/bridge_loop.h"
-#include "snapwing/link/guardian.h"
-#include "snapwing/link/link_log.h"
+#include "bridge_loop.h"
+#include "guardian.h"
+#include "link_log.h"
 
 namespace snapwing::link {
 

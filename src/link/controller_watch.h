@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "controller_checks.h"
 #include "snapwing/link/bridge_types.h"
-#include "snapwing/link/controller_checks.h"
 #include "snapwing/link/imu_question.h"
 
 namespace snapwing::link {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "snapwing/standin/standin_controller.h"
+#include "standin_controller.h"
 
 namespace snapwing::standin {
 
