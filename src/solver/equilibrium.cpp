@@ -169,6 +169,12 @@ bool EquilibriumSolver::saddleDirection(const Equilibrium& x, NewtonResult& resu
     if (!good && problem_->energyFloor() > 0) {
       good = factorizeShifted(system_, problem_->pattern(), x.at, result);
     }
+    // Where no energy decides, the residual must fall, also on the way to a saddle of the energy. Newton's own step
+    // lowers it whatever the inertia; that of a projected tangent leads away from saddles and raises it.
+    if (!good && !x.at.potential) {
+      ++result.factorizations;
+      good = system_.factorize(x.at) >= 0;
+    }
   }
   if (!good) {
     evaluate(x, projectedOrder(settings_.projection), trial_);

@@ -113,6 +113,11 @@ bool Newton::direction(const Eigen::VectorXd& z, const Held& held, Evaluation& a
     ++result.factorizations;
     good = cholesky_.factorize(at.hessian);
     factor_is_recent_ = good;
+    // Where no energy decides, the residual must fall, which a projected tangent's step need not do (saddleDirection).
+    if (!good && !at.potential) {
+      ++result.factorizations;
+      good = cholesky_.factorizeIndefinite(at.hessian) >= 0;
+    }
   }
   if (!good) {
     factor_is_recent_ = false;
