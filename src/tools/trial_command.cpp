@@ -25,6 +25,7 @@
 #include "snapwing/solver/sparse.h"
 #include "snapwing/validation/kept_results.h"
 #include "snapwing/validation/prediction_json.h"
+#include "snapwing/vehicle/motion_columns.h"
 #include "snapwing/vehicle/table_origin.h"
 #include "trial_bag_call.h"
 #include "trial_frames.h"
@@ -130,6 +131,11 @@ std::vector<std::string> leftOutByTables(const vehicle::Vehicle& vehicle) {
   out.push_back(std::string("memory of the material") +
                 (known ? ", which the vehicle file states (material.relaxation)" : "") +
                 ": the table's modulus holds for a slow curve, a snap and a rest");
+  if (vehicle::loadMotionColumns(vehicle.arm.table_file)) {
+    out.emplace_back(
+        "effective mass and damping that trials have taught the table: the static path's inertia and the vehicle "
+        "file's damping instead");
+  }
   return out;
 }
 

@@ -1,13 +1,16 @@
 // HDF5 layout: one 1-D dataset per array with the attribute "unit", group "shapes" with flat arrays, and one string
-// attribute per provenance entry on the group "provenance".
+// attribute per provenance entry on the group "provenance"; where trials taught something, also a group "motion".
 #include <hdf5.h>
 
 #include <functional>
+#include <optional>
+#include <utility>
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/hdf5_file.h"
 #include "snapwing/vehicle/force_curve_file.h"
 #include "snapwing/vehicle/force_table.h"
+#include "snapwing/vehicle/motion_columns.h"
 
 namespace snapwing::vehicle {
 
@@ -135,7 +138,22 @@ void writeTable(const ForceTable& t, hid_t file, const std::string& path) {
   common::hdf5::writeProvenance(file, t.provenance, path);
 }
 
-ForceTable load(const std::string& path, bool with_shapes) {
+std::optional<MotionColumns> readMotion(hid_t file, std::size_t points, const std::string& path) {
+  const htri_t there = H5Lexists(file, "motion", H5P_DEFAULT);
+  if (there <= 0) return std::nullopt;
+  Handle group(H5Gopen2(file, "motion", H5P_DEFAULT), H5Gclose, path, "find the group motion");
+  MotionColumns motion;
+  motion.effective_mass = readArray<double>(group, "effective_mass", "kg", path);
+  motion.static_mass = readArray<double>(group, "static_mass", "kg", path);
+  motion.damping = readArray<double>(group, "damping", "N s/m", path);
+  const auto covered = readArray<double>(group, "covered", "m", path);
+  if (covered.size() != 2) throw common::FileError(path, "motion/covered does not have two travels");
+  motion.covered_from = covered[0], motion.covered_to = covered[1];
+  motion.validate(points);
+  return motion;
+}
+
+ForceTable load(const std::string& path, bool with_shapes, std::optional<MotionColumns>* motion = nullptr) {
   QuietErrors quiet;
   Handle file(common::hdf5::openFile(path), H5Fclose, path, "open the file as HDF5");
   const auto format = readArray<int>(file, "format_version", "1", path);
@@ -168,6 +186,10 @@ ForceTable load(const std::string& path, bool with_shapes) {
   t.provenance = common::hdf5::readProvenance(file, path);
   try {
     t.validate();
+    std::optional<MotionColumns> taught = readMotion(file, t.travel.size(), path);
+    if (motion != nullptr) *motion = std::move(taught);
+  } catch (const common::FileError&) {
+    throw;
   } catch (const common::Error& e) {
     throw common::FileError(path, e.what());
   }
@@ -182,6 +204,12 @@ void saveForceTable(const ForceTable& table, const std::string& path) {
 }
 
 ForceTable loadForceTable(const std::string& path) { return load(path, true); }
+
+std::optional<MotionColumns> loadMotionColumns(const std::string& path) {
+  std::optional<MotionColumns> motion;
+  load(path, false, &motion);
+  return motion;
+}
 
 ForceTable loadForceCurve(const std::string& path) { return load(path, false); }
 

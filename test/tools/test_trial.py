@@ -75,6 +75,50 @@ class Trial(Case):
             self.assertAlmostEqual(row["effective_mass_kg"] / row["static_mass_kg"], 1, delta=0.05)
             self.assertAlmostEqual(row["effective_damping_N_s_per_m"] / damping, 1, delta=0.05)
 
+    def test_a_table_gets_what_a_trial_teaches(self):
+        import h5py  # pylint: disable=import-outside-toplevel
+        self.snapwing("trial", self.file("t.yaml", self.text()), "-o", "out", "-q")
+        shipped = ROOT / "data" / "tables" / "arris_x220_planar.h5"
+        text = (ROOT / "config/vehicles/arris_x220.yaml").read_text().replace("../../data/tables/arris_x220_planar.h5", "table.h5")
+        self.file("vehicle.yaml", text.replace("../../data", str(ROOT / "data")))
+        shutil.copy(shipped, self.folder / "table.h5")
+
+        def taught(*folders, code=0):
+            done = subprocess.run(["/usr/bin/python3", str(ROOT / "scripts/motion_table"), *folders, "--into", "table.h5"], cwd=self.folder,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+            self.assertEqual(done.returncode, code, done.stderr.decode())
+            return done.stderr.decode()
+
+        lumped = self.file("l.yaml", self.text(("rung: planar", "rung: lumped"), ("solid: {cell_size: 0.0025}\n", ""),
+                                               (f"{ROOT}/config/vehicles/arris_x220.yaml", "vehicle.yaml")))
+        before = self.snapwing("trial", lumped, "-o", "before", "-q").stdout.decode()
+        self.assertNotIn("effective mass", before)
+        for _ in range(2):  # a second time replaces the columns
+            taught("out")
+        with open(self.folder / "out/motion_table.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        with h5py.File(self.folder / "table.h5") as file, h5py.File(shipped) as plain:
+            for name in plain:
+                if isinstance(plain[name], h5py.Dataset):
+                    self.assertTrue((file[name][()] == plain[name][()]).all(), name)
+            travel, motion = file["travel"][()], file["motion"]
+            self.assertEqual(motion["damping"].attrs["unit"], b"N s/m")
+            self.assertEqual(motion.attrs["trial"], b"short")
+            for column, key in (("effective_mass", "effective_mass_kg"), ("static_mass", "static_mass_kg"),
+                                ("damping", "effective_damping_N_s_per_m")):
+                middle = rows[len(rows) // 2]
+                there = abs(travel - float(middle["travel_m"])).argmin()
+                self.assertAlmostEqual(motion[column][there] / float(middle[key]), 1, delta=0.02)
+                self.assertEqual(len(motion[column]), len(travel))
+        after = self.snapwing("trial", lumped, "-o", "after", "-q").stdout.decode()
+        self.assertIn("left out: effective mass and damping that trials have taught the table", after)
+        self.assertEqual(after.splitlines()[0], before.splitlines()[0], "it changes no result")
+        with h5py.File(self.folder / "table.h5", "r+") as file:
+            file["motion/damping"][5] = -1
+        self.assertIn("'motion/damping' is -1 N s/m at entry 5", self.refusal("trial", lumped, "-o", "bad", "-q"))
+        self.file("table.h5", b"no table")
+        self.assertIn("table.h5", taught("out", code=2))
+
     def test_coarser_cells_keep_mass_or_stiffness(self):
         found = {}
         for rule in ("mass", "stiffness"):
