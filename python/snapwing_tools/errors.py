@@ -5,6 +5,14 @@ class InputError(Exception):
     """A file or an argument is missing or wrong; the message is one line that names it and says why."""
 
 
+def require_master():
+    """InputError where no ROS master answers: rospy would end in a traceback, or wait for ever."""
+    import rosgraph  # only where ROS is
+    if not rosgraph.is_master_online():
+        raise InputError("no ROS master answers at {}; start roscore or a launch file, or set ROS_MASTER_URI".format(
+            rosgraph.get_master_uri()))
+
+
 def not_opened(path, error):
     """InputError of an HDF5 file that h5py refused with `error` (an OSError)."""
     text = str(error)

@@ -16,7 +16,7 @@ from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger, TriggerResponse
 
 from snapwing_tools import provenance, topics
-from snapwing_tools.errors import InputError
+from snapwing_tools.errors import InputError, require_master
 from snapwing_tools.recorder import RunBuffer, machine_provenance
 
 
@@ -125,6 +125,11 @@ def record(output, period, vehicle_file):
 
 
 def main():
+    try:
+        require_master()
+    except InputError as error:
+        print("record_run: {}".format(error), file=sys.stderr)
+        return 2
     rospy.init_node("record_run")
     try:
         record(*read_parameters())

@@ -18,7 +18,7 @@ from snapwing.msg import (ArmGeometry, ForceDisplacementCurve, LinkStatus, ModeS
 from snapwing.srv import Arm, ArmRequest, PredictSnap
 from snapwing_tools import seal
 from snapwing_tools.after_run import make_report
-from snapwing_tools.errors import InputError
+from snapwing_tools.errors import InputError, require_master
 from snapwing_tools.output_file import OutputFiles, printing, require_folder, write_file
 from snapwing_tools.scenario_summary import Outcome, Switch, TruthSample, happened, table, write_result
 
@@ -361,6 +361,7 @@ def main():
     options = parse_options(rospy.myargv(argv=sys.argv)[1:])
     try:
         check_outputs(options)
+        require_master()
         return printing(lambda: play(options), "run_scenario")
     except InputError as error:
         print("run_scenario: {}".format(error), file=sys.stderr)

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -92,6 +93,34 @@ std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& pa
                     "'" + name + "' has " + std::to_string(size) + " elements; allowed: 0 .. " + std::to_string(MOST));
   }
   return static_cast<std::size_t>(size);
+}
+
+namespace {
+
+/// Name of a filter that the data need and this library has not; "" if it has all.
+std::string missingFilter(hid_t dataset, const std::string& path) {
+  const Handle settings(H5Dget_create_plist(dataset), H5Pclose, path, "read the settings of a dataset");
+  for (int i = 0; i < H5Pget_nfilters(settings); ++i) {
+    std::array<char, 64> name{};
+    std::size_t values = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(settings, static_cast<unsigned>(i), nullptr, &values, nullptr,
+                                               name.size(), name.data(), nullptr);
+    if (filter >= 0 && H5Zfilter_avail(filter) <= 0) {
+      name.back() = 0;
+      return name[0] != 0 ? name.data() : "number " + std::to_string(filter);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+void readAll(hid_t dataset, hid_t type, void* values, const std::string& name, const std::string& path) {
+  if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0) return;
+  const std::string filter = missingFilter(dataset, path);
+  if (filter.empty()) check(-1, path, "read " + name);
+  throw FileError(path, "'" + name + "' is compressed by the filter '" + filter +
+                            "', which this HDF5 library has not; allowed: none, deflate ('gzip' in h5py), shuffle");
 }
 
 namespace {

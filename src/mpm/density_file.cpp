@@ -127,8 +127,7 @@ DensityField loadDensityHdf5(const std::string& path, const std::string& dataset
                                   "find dataset '" + dataset + "'");
   const std::array<hsize_t, 2> size = shapeOf(data, path, dataset);
   DensityField field = emptyDensity(path, size[1], size[0], length, height);
-  common::hdf5::check(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.value.data()), path,
-                      "read dataset '" + dataset + "'");
+  common::hdf5::readAll(data, H5T_NATIVE_DOUBLE, field.value.data(), dataset, path);
   for (std::size_t k = 0; k < field.value.size(); ++k) {
     double& value = field.value[k];
     if (!(value <= 1)) {

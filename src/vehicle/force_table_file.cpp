@@ -60,9 +60,7 @@ std::vector<T> readArray(hid_t file, const std::string& name, const std::string&
   const std::string found = readAttribute(set, "unit", path);
   if (found != unit) throw common::FileError(path, "'" + name + "' is in '" + found + "'; allowed: '" + unit + "'");
   std::vector<T> values(common::hdf5::sizeOf(set, name, path));
-  if (!values.empty()) {
-    check(H5Dread(set, memoryType<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, "read " + name);
-  }
+  if (!values.empty()) common::hdf5::readAll(set, memoryType<T>(), values.data(), name, path);
   return values;
 }
 

@@ -37,9 +37,7 @@ void readColumn(hid_t file, const char* name, const char* unit, std::vector<doub
   if (found != unit)
     throw common::FileError(path, std::string(name) + " is in '" + found + "'; allowed: '" + unit + "'");
   values->resize(common::hdf5::sizeOf(set, name, path));
-  if (!values->empty()) {
-    check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values->data()), path, "read a column");
-  }
+  if (!values->empty()) common::hdf5::readAll(set, H5T_NATIVE_DOUBLE, values->data(), name, path);
 }
 
 void write(WingTable table, hid_t file, const std::string& path) {

@@ -1,6 +1,7 @@
 """The recording node with a stand-in for rospy: strict parameters, and a file that is right however the node ends."""
 
 import importlib
+import io
 import json
 import os
 import sys
@@ -63,7 +64,9 @@ class Node(unittest.TestCase):
         messages.msg, imu.Imu = mock.Mock(), mock.Mock()
         triggers = types.ModuleType("std_srvs.srv")
         triggers.Trigger, triggers.TriggerResponse = mock.Mock(), types.SimpleNamespace
-        modules = {"std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": triggers, "rospy": self.rospy,
+        self.rosgraph = types.ModuleType("rosgraph")
+        self.rosgraph.is_master_online, self.rosgraph.get_master_uri = lambda: True, lambda: "http://here:11311"
+        modules = {"rosgraph": self.rosgraph, "std_srvs": types.ModuleType("std_srvs"), "std_srvs.srv": triggers, "rospy": self.rospy,
                    "snapwing": messages, "sensor_msgs": types.ModuleType("sensor_msgs"), "sensor_msgs.msg": imu}
         self.patch = mock.patch.dict(sys.modules, modules)
         self.patch.start()
@@ -92,6 +95,13 @@ class Node(unittest.TestCase):
         self.rospy.parameters = {"output": os.path.join(self.folder.name, "absent", "run.h5")}
         self.assertEqual(self.node.main(), 2)
         self.assertIn("cannot write", self.rospy.fatal[0])
+
+    def test_without_a_master_it_says_so_and_ends_with_2(self):
+        self.rosgraph.is_master_online = lambda: False
+        with mock.patch("sys.stderr", new_callable=io.StringIO) as text:
+            self.assertEqual(self.node.main(), 2)
+        self.assertEqual(text.getvalue(), "record_run: no ROS master answers at http://here:11311; "
+                                          "start roscore or a launch file, or set ROS_MASTER_URI\n")
 
     def test_subscribes_to_every_topic_and_closes_the_file(self):
         def send():

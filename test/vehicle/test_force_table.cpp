@@ -253,5 +253,44 @@ TEST(ForceTable, AttributesWrittenByOtherProgramsAreRead) {
   }
 }
 
+/// A filter that only the writer has, as h5py's LZF: its name is what the reader can act on.
+TEST(ForceTable, AFilterThatIsNotHereIsNamed) {
+  const std::string path = ::testing::TempDir() + "other_filter.h5";
+  saveForceTable(cubicTable(), path);
+  constexpr H5Z_filter_t NUMBER = 32000;
+  const H5Z_class2_t filter = {
+      H5Z_CLASS_T_VERS,
+      NUMBER,
+      1,
+      1,
+      "lzf",
+      nullptr,
+      nullptr,
+      [](unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*, void**) { return bytes; }};
+  ASSERT_GE(H5Zregister(&filter), 0);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), old = H5Dopen2(file, "travel", H5P_DEFAULT);
+  const hid_t space = H5Dget_space(old), settings = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t count = static_cast<hsize_t>(H5Sget_simple_extent_npoints(space));
+  const std::vector<double> values(count, 0.0);
+  H5Dclose(old);
+  H5Ldelete(file, "travel", H5P_DEFAULT);
+  H5Pset_chunk(settings, 1, &count);
+  ASSERT_GE(H5Pset_filter(settings, NUMBER, H5Z_FLAG_MANDATORY, 0, nullptr), 0);
+  const hid_t made = H5Dcreate2(file, "travel", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, settings, H5P_DEFAULT);
+  ASSERT_GE(H5Dwrite(made, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  addVariableText(made, "unit", "m");
+  H5Dclose(made);
+  H5Pclose(settings);
+  H5Sclose(space);
+  H5Fclose(file);
+  ASSERT_GE(H5Zunregister(NUMBER), 0);
+  try {
+    loadForceTable(path);
+    ADD_FAILURE() << "was accepted";
+  } catch (const common::FileError& e) {
+    EXPECT_NE(std::string(e.what()).find("'travel' is compressed by the filter 'lzf'"), std::string::npos) << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace snapwing::vehicle

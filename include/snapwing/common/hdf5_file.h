@@ -48,6 +48,10 @@ hid_t openFile(const std::string& path);
 /// Number of elements of a dataset of one dimension. @throws FileError for another rank or more than can be meant
 std::size_t sizeOf(hid_t dataset, const std::string& name, const std::string& path);
 
+/// Reads a whole dataset. @param values  room for all elements of `type`, a type in memory
+/// @throws FileError; where this library has not the filter that the data were written with, the filter's name
+void readAll(hid_t dataset, hid_t type, void* values, const std::string& name, const std::string& path);
+
 /// Text attribute of a group or dataset. @throws FileError
 void writeAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
 /// Reads what snapwing and h5py write: one text of fixed or variable length. @throws FileError for anything else

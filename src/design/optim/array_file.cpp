@@ -47,9 +47,7 @@ ArrayFile loadArrays(const std::string& path) {
   for (const std::string& name : names) {
     const Handle set(H5Dopen2(h5, name.c_str(), H5P_DEFAULT), H5Dclose, path, "open " + name);
     Eigen::VectorXd values(static_cast<Eigen::Index>(common::hdf5::sizeOf(set, name, path)));
-    if (values.size() > 0) {
-      check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), path, "read " + name);
-    }
+    if (values.size() > 0) common::hdf5::readAll(set, H5T_NATIVE_DOUBLE, values.data(), name, path);
     file.arrays[name] = values;
   }
   file.notes = common::hdf5::readNotes(h5, path);
