@@ -1,5 +1,5 @@
 #pragma once
-/// Solves a sparse symmetric system with the factor of a nearby matrix: a few solves in place of a factorization.
+/// Conjugate gradients preconditioned with the factor of a nearby matrix: a few solves instead of a factorisation.
 
 #include "snapwing/solver/sparse.h"
 
@@ -7,13 +7,14 @@ namespace snapwing::solver {
 
 struct CgResult {
   bool converged = false;
-  bool positive = true;  ///< false: a direction of negative curvature was met; the matrix is not positive definite
+  bool positive = true;  ///< false: a direction of negative curvature was found; the matrix is not positive definite
   int iterations = 0;    ///< solves with the factor
 };
 
-/// Preconditioned conjugate gradients from x = 0: |b - A x| <= tolerance.
-/// @param pattern, values  A
-/// @param factor           holds the Cholesky factor of a matrix near A
+/// Solves A x = b from x = 0 until |b - A x| <= tolerance (residual by recurrence).
+/// @param pattern, values  A, symmetric
+/// @param factor           Cholesky factor of a matrix near A
+/// @param tolerance        in the unit of b
 CgResult conjugateGradients(const SparsePattern& pattern, const std::vector<double>& values, const Cholesky& factor,
                             const Eigen::VectorXd& b, double tolerance, int max_iterations, Eigen::VectorXd& x);
 

@@ -1,11 +1,11 @@
 #pragma once
-/// OpenMP regions of other libraries on the calling thread alone, without a call of the kernel.
+/// Runs OpenMP parallel regions of other libraries serially on the calling thread, without system calls.
 ///
-/// CHOLMOD opens a parallel region for every supernode, whatever OMP_NUM_THREADS says; on small supernodes threads cost
-/// more than the work (three quarters of a planar factorization). A team of one still ends in a barrier that wakes
-/// nobody, by a system call. So this library has an entry point for regions of its own, in front of libgomp's, which
-/// runs them as plain calls as long as a SerialRegions lives on the thread. Where it is not in front (a library that is
-/// loaded late), regions have a team of one.
+/// CHOLMOD opens a parallel region for every supernode, whatever OMP_NUM_THREADS says. On small supernodes the threads
+/// cost more than the work (three quarters of a planar factorisation). A team of one thread still ends in a barrier
+/// with a system call. Therefore this library defines its own GOMP_parallel, ahead of libgomp's, which runs regions as
+/// plain calls while a SerialRegions lives on the thread. If another definition comes first (a library loaded late),
+/// regions have a team of one thread.
 
 namespace snapwing::solver {
 
@@ -15,7 +15,7 @@ class SerialRegions {
   ~SerialRegions();
   SerialRegions(const SerialRegions&) = delete;
   SerialRegions& operator=(const SerialRegions&) = delete;
-  /// Regions that were plain calls, on this thread so far.
+  /// Number of regions run as plain calls on this thread so far.
   static long called();
 
  private:

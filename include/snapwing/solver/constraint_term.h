@@ -1,5 +1,6 @@
 #pragma once
-/// lambda . g + rho/2 |g|^2 of constraints, at the multipliers of the point.
+/// Lagrangian term of constraints, lambda . g + rho/2 |g|^2 [J], with the multipliers of the point
+/// (Point::multipliers).
 
 #include <memory>
 #include <string>
@@ -23,7 +24,7 @@ class ConstraintTerm : public Term {
 
  private:
   std::shared_ptr<const Constraints> constraints_;
-  std::vector<std::vector<int>> couples_;  ///< per row, if there is a penalty
+  std::vector<std::vector<int>> couples_;  ///< per row, if rho > 0
 };
 
 }  // namespace snapwing::solver

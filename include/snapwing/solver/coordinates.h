@@ -1,8 +1,8 @@
 #pragma once
-/// The way from free coordinates z to full ones y, the only curved part of a problem:
+/// Map from free coordinates z to full coordinates y, the only nonlinear part of a problem's kinematics:
 ///   y = T w + B p + c          linear elimination, constant and exact (Reduction)
-///   w = z, but for the entries of E = L (exp(s / L) R_ref - 1) of each rigid rotation, which the last coordinates s
-///       drive. R_ref is 1, or a reference that can be renewed, so that a body may turn for ever.
+///   w = z, except the entries of E = L (exp(s / L) R_ref - I) of each rigid rotation, which are functions of the last
+///       free coordinates s. R_ref is I or a reference that renew() updates, so that a body may turn without limit.
 
 #include <Eigen/Core>
 #include <memory>
@@ -16,21 +16,21 @@
 
 namespace snapwing::solver {
 
-/// R_ref of each rotation in their order, (D x D part counts).
+/// R_ref of each rotation, in their order; in 2-D only the upper left 2 x 2 block is used.
 struct References {
   std::vector<Eigen::Matrix3d> rotation;
 };
 
 class Coordinates {
  public:
-  /// What belongs to one (z, p, references); work space.
+  /// Values at one (z, p, references); work space.
   struct Place {
     Eigen::VectorXd y;                     ///< full coordinates [m]
-    std::vector<RotationValue> rotations;  ///< entries of E and their derivatives by s
+    std::vector<RotationValue> rotations;  ///< entries of E and their derivatives with respect to s
   };
 
   /// @param dimension  2 or 3: a rotation has dimension^2 entries
-  /// @param rotations  all their entries must be free in `linear`. @throws common::Error
+  /// @param rotations  their entries must all be free in `linear`. @throws common::Error naming an eliminated one
   explicit Coordinates(Reduction linear, int dimension = 3, std::vector<Rotation> rotations = {});
 
   int freeCount() const { return free_; }
@@ -38,30 +38,30 @@ class Coordinates {
   int controlCount() const { return linear_.controlCount(); }
   int rotationCount() const { return static_cast<int>(groups_.size()); }
   const Reduction& linear() const { return linear_; }
-  /// Length L of the rotation that each of the last coordinates turns [m].
+  /// Length L of the rotation to which each of the last coordinates s belongs [m].
   Eigen::VectorXd rotationLengths() const;
 
-  /// @param references  null: all 1
+  /// @param z  (free x 1) [m]; @param p  (controls x 1); @param references  null: all I
   void at(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references, Place& out) const;
-  /// y alone.
+  /// y only [m], (full x 1).
   Eigen::VectorXd expand(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
                          const References* references = nullptr) const;
-  /// Free coordinates that have the linear part of y, with the rotations' last coordinates given [m].
+  /// Free coordinates of y, with the last ones, s [m], given. @param rotations  s, (size of rotationLengths() x 1)
   Eigen::VectorXd freePart(const Eigen::VectorXd& y, const Eigen::VectorXd& rotations) const;
-  /// J^T f, J = dy/dz. [N] for f in N
+  /// J^T f, J = dy/dz. (free x 1) [N] for f in N
   Eigen::VectorXd pullBack(const Place& at, const Eigen::VectorXd& full) const;
   /// C J of rows C over full coordinates, (rows x free).
   ConstraintRows pullBack(const Place& at, const ConstraintRows& rows) const;
-  /// The same with the mean of two places' rotations in the place of the slope: dE/ds = [axis] (R0 + R1) / 2. A step
-  /// that tests its equations along these keeps energy and angular momentum. Equal to pullBack without rotations.
+  /// As pullBack, with dE/ds replaced by [axis]x (R0 + R1) / 2, the mean of both places' rotations. A step whose
+  /// residual is pulled back in this way conserves energy and angular momentum. Equal to pullBack without rotations.
   Eigen::VectorXd pullBackMean(const Place& start, const Place& end, const Eigen::VectorXd& full) const;
-  /// Rates of the last coordinates that come nearest to rates v of y: those of the rotations. [m/s]
+  /// Rates ds/dt of the rotations' coordinates that fit the rates v [m/s] of y best (least squares). [m/s]
   Eigen::VectorXd rotationRates(const Place& at, const Eigen::VectorXd& v) const;
   /// J dz + dy/dp dp [m]
   Eigen::VectorXd push(const Place& at, const Eigen::VectorXd& dz, const Eigen::VectorXd& dp) const;
-  /// B^T f
+  /// B^T f, (controls x 1)
   Eigen::VectorXd toControls(const Eigen::VectorXd& full) const { return linear_.restrictToControl(full); }
-  /// R_ref := exp(s / L) R_ref, orthonormal to rounding, and s := 0 in z; y stays what it is.
+  /// Sets s := 0 in z and returns R_ref := exp(s / L) R_ref, made orthonormal; y does not change.
   std::shared_ptr<const References> renew(Eigen::VectorXd& z, const References* references) const;
 
  private:
@@ -83,14 +83,15 @@ class Coordinates {
   int free_ = 0;
 };
 
-/// J^T H J + sum_e (dE/dy)_e d2y_e/dz2 in a sparse pattern that is built once.
+/// Hessian in the free coordinates, J^T H J + sum_e (dPi/dy)_e d2y_e/dz2, in a sparse pattern that is built once.
 class HessianPullBack {
  public:
   HessianPullBack(std::shared_ptr<const Coordinates> coordinates, const HessianLayout& layout);
   const SparsePattern& pattern() const { return coordinates_.groups_.empty() ? inner_ : pattern_; }
-  /// @param full       H in the order of the layout
-  /// @param gradient   dE/dy of everything that the potential holds
-  /// @param projected  keeps the rotations' own blocks from being negative
+  /// @param full       H in the order of the layout [N/m]
+  /// @param gradient   dPi/dy of the whole potential [N]
+  /// @param projected  sets negative eigenvalues of the rotations' second-order blocks to zero
+  /// @param values     result in the order of pattern() [N/m]
   void apply(const std::vector<double>& full, const Coordinates::Place& at, const Eigen::VectorXd& gradient,
              bool projected, std::vector<double>& values) const;
 
@@ -110,9 +111,9 @@ class HessianPullBack {
   std::shared_ptr<const Coordinates> shared_;
   const Coordinates& coordinates_;
   SparsePattern inner_, pattern_;
-  std::vector<int> source_;  ///< entry k is full[source_[k]] (0 if -1), then the few that mix are added
+  std::vector<int> source_;  ///< entry k is full[source_[k]] (0 if -1); mixed_ is added to it
   std::vector<Mixed> mixed_;
-  std::vector<int> slope_of_group_;  ///< place of dE/ds in the flat list of slopes, whose first value is 1
+  std::vector<int> slope_of_group_;  ///< index of dE/ds in the flat list of slopes, whose first value is 1
   int slopes_ = 1;
   std::vector<Item> items_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// Elastic energy of solids on background grids.
+/// Elastic energy of solids on background grids (mpm::Discretisation).
 
 #include <memory>
 
@@ -11,8 +11,8 @@ template <int D>
 class ElasticTerm : public Term {
  public:
   /// @param solid   finished
-  /// @param region  of the layout that was made of the solid's pattern
-  /// @param first   coordinate of its first displacement
+  /// @param region  of the layout that the solid's pattern defines
+  /// @param first   full coordinate of the solid's first displacement
   explicit ElasticTerm(std::shared_ptr<const mpm::Discretisation<D>> solid, int region = 0, int first = 0)
       : solid_(std::move(solid)), region_(region), first_(first) {}
 

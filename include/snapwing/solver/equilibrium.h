@@ -1,6 +1,6 @@
 #pragma once
-/// Finds and describes single equilibria of a problem, whatever way its constraints are enforced. Paths, arcs, singular
-/// points and exact features are built from these moves.
+/// Solves for single equilibria of a problem and linearises there, with any enforcement of its constraints. Paths,
+/// arcs, singular points and features (statics/) are built from these operations.
 
 #include <Eigen/Core>
 
@@ -10,35 +10,35 @@
 
 namespace snapwing::solver {
 
-/// A point with its derivatives along the branch, as far as linearise() filled them in.
+/// An equilibrium; linearise() fills in the derivatives along the branch. L: Lagrangian, or Pi without constraints.
 struct Equilibrium {
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);         ///< the control, or t on a line of controls
-  Eigen::VectorXd z;                                    ///< free coordinates
-  Eigen::VectorXd multipliers;                          ///< of constraints; empty without
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(1);         ///< the control, or t of a ControlLine, (1 x 1)
+  Eigen::VectorXd z;                                    ///< free coordinates, (free x 1) [m]
+  Eigen::VectorXd multipliers;                          ///< of constraints [N]; empty without
   Evaluation at;                                        ///< of order TANGENT at (z, p)
   Eigen::VectorXd slope, multiplier_slope;              ///< dz/dp, dlambda/dp; zero where they do not exist
-  Eigen::VectorXd load;                                 ///< d2L/dz dp
+  Eigen::VectorXd load;                                 ///< d2L/dz dp, (free x 1)
   double control_curvature = 0;                         ///< d2L/dp2 at fixed z and multipliers
   double stiffness = 0;                                 ///< d(force)/dp along the branch
   int negative_pivots = -1;                             ///< of the Hessian on admissible motions; -1 unknown
   double force() const { return at.control_force(0); }  ///< dPi/dp; [N] for a travel in m
 };
 
-/// Plane normal.(z - origin) + control_normal (p - control) = distance in the space of branches.
+/// Plane normal.(z - origin) + control_normal (p - control) = distance in the space of (z, p).
 struct BranchPlane {
   Eigen::VectorXd origin, normal;
   double control = 0, control_normal = 0, distance = 0;
 };
 
-/// The controls on a line, p = start + t direction: the one control of a path where a problem has several or none.
+/// A line of controls, p = start + t direction: t is the one control of a path if the problem has several or none.
 struct ControlLine {
   Eigen::VectorXd start, direction;  ///< (controls x 1), each in its own unit
 };
 
 class EquilibriumSolver {
  public:
-  /// @param line     of the controls; may be left out if there is exactly one
-  /// @throws common::Error if the line has other controls than the problem
+  /// @param problem  lent; @param line  of the controls; may be left out if there is exactly one
+  /// @throws common::Error if the sizes of the line are not the problem's number of controls
   EquilibriumSolver(const Problem& problem, const NewtonSettings& settings, ControlLine line = {});
 
   EquilibriumSolver(const EquilibriumSolver&) = delete;  // its tangent system has the factor lent
@@ -46,48 +46,49 @@ class EquilibriumSolver {
 
   const Problem& problem() const { return *problem_; }
   int constraintCount() const { return constraints_ ? constraints_->count() : 0; }
-  /// Another line, for solves to come. @throws common::Error as the constructor
+  /// Sets the line for later solves. @throws common::Error as the constructor
   void setLine(ControlLine line);
-  /// The problem's controls at the control t of an equilibrium.
+  /// The problem's controls at the control t of an equilibrium, (controls x 1).
   Eigen::VectorXd controls(double t) const;
-  /// Tangent of an evaluation; holds the factor of the last one asked for, until the next equilibrium.
+  /// Tangent system with the last factor; the next solve or linearise() overwrites it.
   TangentSystem& system() { return system_; }
-  /// The undeformed start at a control.
+  /// A point with free coordinates z, control p and zero multipliers; not evaluated.
   Equilibrium start(const Eigen::VectorXd& z, double p) const;
-  /// Minimises: ends at stable equilibria, however far, unless symmetry keeps it from it. `x` holds the first guess,
-  /// and where it stopped on failure.
+  /// Newton with line search at fixed control: minimises the potential, so that it converges to stable equilibria, also
+  /// far ones, unless a symmetry of the guess prevents it.
+  /// @param x  in: first guess; out: solution, or the last iterate on failure
   NewtonResult minimise(Equilibrium& x);
-  /// Newton without line search at fixed control: the equilibrium nearby, stable or not.
+  /// Newton without line search at fixed control: converges to a nearby equilibrium, stable or not.
   NewtonResult correct(Equilibrium& x);
-  /// The same with the control free, on a plane.
+  /// As correct(), with the control free, on a plane.
   NewtonResult correctOn(const BranchPlane& plane, Equilibrium& x);
-  /// Fills in `at` at the point as it is.
+  /// Evaluates `x.at` at the point as it is (order TANGENT).
   void evaluate(Equilibrium& x) { evaluate(x, Order::TANGENT, x.at); }
-  /// Inertia and derivatives at a converged point. @return factorizations spent
+  /// Factorises the tangent at a converged point: inertia of the pivots and derivatives along the branch.
+  /// @return number of factorisations
   int linearise(Equilibrium& x);
-  /// Linearises anew and forgets everything before: a run that starts here gives the same bits.
+  /// Linearises and discards the history: a run resumed here has the same bits (restart point).
   int restart(Equilibrium& x) {
     newton_.forget();
     return linearise(x);
   }
-  /// Forgets the factor as well: what follows is what a new object would do.
+  /// Discards the factor as well: the next solve is that of a new object.
   void restart() { newton_.restart(); }
-  /// The same for a point close to where the last factor belongs to: without a new factor if the Hessian has changed by
-  /// less than a hundredth (Cholesky::distance), which leaves the inertia what it was.
+  /// As linearise(), without a new factorisation if the Hessian differs by less than 0.01 from the factorised one
+  /// (Cholesky::distance); the inertia is then the same. @return number of factorisations, 0 or 1
   int lineariseNear(Equilibrium& x);
-  /// Evaluates a point that was linearised before: with its slope and inertia of then the rest needs no factor.
+  /// Evaluates a point that was linearised before and fills in its derivatives from the stored slope, without a factor.
   /// @return false if it is no equilibrium to the tolerance, or if there are constraints
   bool recall(const Eigen::VectorXd& slope, int negative_pivots, Equilibrium& x);
-  /// First guess at another control, from a linearised point.
+  /// First guess at the control p by the tangent of a linearised point.
   Equilibrium predict(const Equilibrium& from, double p) const;
-  /// Motion of the smallest Hessian's eigenvalue by magnitude (unit length), at a linearised point, and that value
-  /// [N/m].
-  /// @param iterations  of the inverse iteration, at most
+  /// Eigenvalue of the Hessian that is smallest by magnitude [N/m], on admissible motions, at a linearised point.
+  /// @param mode  its eigenvector, unit length; @param iterations  of the inverse iteration, at most
   double softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations = 50) const;
-  /// False if some motion costs nothing but rounding, at a linearised point.
+  /// False if the energy of some motion is zero to rounding, at a linearised point.
   bool supported(const Equilibrium& x) const;
 
-  double secondsAssembly() const { return seconds_assembly_ + newton_.secondsAssembly(); }
+  double secondsAssembly() const { return seconds_assembly_ + newton_.secondsAssembly(); }  ///< wall time so far [s]
   const Cholesky& cholesky() const { return newton_.cholesky(); }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// Particles of a solid for laws that are linear in Green's strain G, with the moduli C of each particle's own law at
-/// rest: what viscous laws have in common.
+/// Particles of a solid for viscous laws that are linear in Green's strain G. C: moduli of each particle's elastic law
+/// at rest, isotropic.
 
 #include <limits>
 #include <memory>
@@ -21,18 +21,18 @@ class GreenParticles {
     Matrix stress(const Matrix& g) const { return lambda * g.trace() * Matrix::Identity() + 2 * mu * g; }
   };
   struct Particle {
-    std::size_t number = 0;  ///< in a fixed order
-    int cell = 0, index = 0;
-    double measure = 0;  ///< [m3]
+    std::size_t number = 0;   ///< in the order of each()
+    int cell = 0, index = 0;  ///< index: of the particle in its rule
+    double measure = 0;       ///< [m3]
     const Moduli* moduli = nullptr;
     const mpm::QuadratureRule<D>* rule = nullptr;
   };
-  /// Where forces and stiffness of one evaluation go.
+  /// Destination of one evaluation's forces and stiffness.
   struct Target {
     Sum& sum;
     Order order;
-    double* values = nullptr;  ///< the region's blocks, if the order asks for them
-    double forces = 0, rounding = 0;
+    double* values = nullptr;         ///< the region's blocks, if the order includes the Hessian
+    double forces = 0, rounding = 0;  ///< sums that finish() turns into noteForce and noteRounding
     void finish() const;
   };
 
@@ -42,17 +42,18 @@ class GreenParticles {
   int region() const { return region_; }
   std::size_t count() const { return count_; }
   Target target(Order order, Sum& sum) const;
-  /// Visits all particles in a fixed order.
+  /// Calls visit(particle) for all particles in a fixed order.
   template <class Visit>
   void each(const Visit& visit) const;
-  /// Gradient h of the displacements: F = I + h.
+  /// Displacement gradient h [1]: F = I + h.
   Matrix gradient(const Eigen::VectorXd& y, const Particle& at) const;
+  /// Green's strain G = (F^T F - I) / 2 [1].
   Matrix strain(const Eigen::VectorXd& y, const Particle& at) const {
     return elasticity::greenStrain<D>(gradient(y, at));
   }
-  /// Adds force and stiffness of a second Piola stress s(G) at F = I + h.
-  /// @param s        [Pa] with ds/dG = scale C
-  /// @param weight, stiffness_weight  [m3] of the force and of its derivative
+  /// Adds force and stiffness of a second Piola-Kirchhoff stress s(G) at F = I + h.
+  /// @param s        [Pa], with ds/dG = scale C
+  /// @param weight, stiffness_weight  [m3], times force and stiffness
   void add(const Particle& at, const Matrix& h, const Matrix& s, double scale, double weight, double stiffness_weight,
            Target& to) const;
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Where second derivatives may stand in the full coordinates: D x D node blocks of regions of cells, then one dense
-/// lower triangle for each set of coordinates that a term couples. Decided once; a term has slots for nothing else.
+/// Storage of the Hessian in full coordinates: D x D node blocks of regions of cells, then one dense lower triangle for
+/// each set of coordinates that a term couples. Fixed at setup; a term can write nowhere else.
 
 #include <Eigen/Core>
 #include <functional>
@@ -14,22 +14,24 @@ class HessianLayout {
  public:
   /// @param full  number of full coordinates
   explicit HessianLayout(int full) : full_(full) {}
-  /// Node blocks of a discretisation whose first displacement is coordinate `first`. @return number of the region
+  /// Adds the node blocks of a discretisation whose first displacement is full coordinate `first`.
+  /// @return number of the region. @throws common::Error if it does not fit, or after addCouple()
   template <int D>
   int addRegion(int first, const mpm::BlockPattern<D>& blocks);
-  /// @throws common::Error for a coordinate that does not exist, or twice the same
-  /// @return place of the couple's first value: the lower triangle by columns, in the order of the coordinates
+  /// Adds the lower triangle, by columns, of these coordinates in their order. @return index of its first value
+  /// @throws common::Error for a coordinate that does not exist or repeats
   int addCouple(std::vector<int> coordinates);
 
   int fullCount() const { return full_; }
   int entries() const { return entries_; }
   int regionCount() const { return static_cast<int>(regions_.size()); }
-  int regionFirst(int region) const { return regions_[region].first; }  ///< first coordinate
-  int regionPlace(int region) const { return regions_[region].place; }  ///< of its first value
+  int regionFirst(int region) const { return regions_[region].first; }  ///< first full coordinate
+  int regionPlace(int region) const { return regions_[region].place; }  ///< index of its first value
   int regionSize(int region) const { return regions_[region].nodes * regions_[region].dimension; }
-  /// Every entry once, (row, column, place): a block row below its column, the diagonal's lower triangle.
+  /// Visits every stored entry once, place: its index. Of diagonal blocks only the lower triangle. A couple's row may
+  /// be less than its column, where its coordinates do not ascend.
   void each(const std::function<void(int row, int column, int place)>& visit) const;
-  /// H x for values in this order. [N] for x in m
+  /// H x. @param values  [N/m] in this storage; @param x  (full x 1) [m]. @return [N]
   Eigen::VectorXd multiply(const std::vector<double>& values, const Eigen::VectorXd& x) const;
 
  private:

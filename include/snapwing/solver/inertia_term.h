@@ -1,6 +1,6 @@
 #pragma once
-/// Inertia of a step: E = kappa/2 |y - y~|^2_M, y~ = y0 + h v0. With kappa = 1/h^2 its stationary points are backward
-/// Euler's, with 2/h^2 those of the midpoint family. Nothing in statics.
+/// Inertia of a solid in a step: E = kappa/2 |y - y~|^2_M, y~ = y0 + h v0. kappa = 1/h^2 gives backward Euler, 2/h^2
+/// the midpoint family (Step::kappa). Zero in statics.
 
 #include <memory>
 
@@ -12,8 +12,8 @@ namespace snapwing::solver {
 template <int D>
 class InertiaTerm : public Term {
  public:
-  /// @param mass    of the solid whose pattern the region was made of
-  /// @param first   coordinate of its first displacement
+  /// @param mass    of the solid whose pattern defines the region
+  /// @param first   full coordinate of the solid's first displacement
   explicit InertiaTerm(std::shared_ptr<const mpm::Mass<D>> mass, int region = 0, int first = 0)
       : mass_(std::move(mass)), region_(region), first_(first) {
     rows_ = mass_->multiply(Eigen::VectorXd::Ones(D * mass_->nodes())).norm();
@@ -29,7 +29,7 @@ class InertiaTerm : public Term {
  private:
   std::shared_ptr<const mpm::Mass<D>> mass_;
   int region_, first_;
-  double rows_ = 0;  ///< 2-norm of the rows' sums [kg]
+  double rows_ = 0;  ///< 2-norm of the row sums of M [kg]
 };
 
 }  // namespace snapwing::solver

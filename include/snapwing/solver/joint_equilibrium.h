@@ -2,10 +2,9 @@
 /// Equilibrium of solids whose joints are linear equalities between interpolated displacements (Li et al.,
 /// "joint_equilibrium"):
 ///   min_u  E(u) - f.u   s.t.   H u = h
-/// where nothing is eliminated, so that H may depend on what is designed. The multipliers are the joints' forces. A
-/// `TermProblem` whose controls are h, solved by `EquilibriumSolver`; what is added here: H is refused by name if its
-/// rows depend on each other, f and h change from solve to solve, and the saddle point serves as the derivatives'
-/// system.
+/// Nothing is eliminated, so that H may depend on design variables. The multipliers are the forces of the joints.
+/// Internally a `TermProblem` with controls h, solved by `EquilibriumSolver`. In addition: an H with dependent rows is
+/// refused by name, f and h may change between solves, and the saddle-point matrix is available for derivatives.
 
 #include <limits>
 #include <memory>
@@ -21,11 +20,11 @@ namespace snapwing::solver {
 
 struct JointSettings {
   Enforcement enforcement = Enforcement::MULTIPLIERS;  ///< or AUGMENTED_LAGRANGIAN
-  int max_iterations = 60;        ///< of Newton's method; of the augmented Lagrangian's updates (at least 40)
+  int max_iterations = 60;        ///< of Newton's method; also of the multipliers' updates, then at least 40
   double force_tolerance = 1e-9;  ///< [N] on |dL/du|
-  double gap_tolerance = 1e-11;   ///< [m] largest |H u - h|; times the stiffness: error of a force
-  double energy_floor = 0;        ///< [J] smaller changes of the energy are rounding, some 1e-15 E times the volume
-  double stiffness = 0;           ///< [N/m] rho of Constraints; > 0
+  double gap_tolerance = 1e-11;   ///< [m] on the largest |H u - h|
+  double energy_floor = 0;        ///< [J] as Problem::energyFloor; about 1e-15 Young's modulus times volume
+  double stiffness = 0;           ///< [N/m] > 0: penalty rho of Constraints
   int threads = 1;
 };
 
@@ -34,29 +33,29 @@ enum class JointStatus { NOT_SOLVED, CONVERGED, NOT_CONVERGED, RANK_DEFICIENT };
 struct JointResult {
   JointStatus status = JointStatus::NOT_SOLVED;
   std::string message;
-  Eigen::VectorXd u;                                                      ///< [m]
-  Eigen::VectorXd multipliers;                                            ///< one per row [N]
+  Eigen::VectorXd u;                                                      ///< [m], (dofs x 1)
+  Eigen::VectorXd multipliers;                                            ///< [N], (rows x 1)
   Evaluation at;                                                          ///< at u, with the exact tangent
-  double constraint_residual = std::numeric_limits<double>::quiet_NaN();  ///< [m]
-  double residual = std::numeric_limits<double>::quiet_NaN();             ///< [N]
-  bool stable = false;                                                    ///< a minimum among all u with H u = h
+  double constraint_residual = std::numeric_limits<double>::quiet_NaN();  ///< largest |H u - h| [m]
+  double residual = std::numeric_limits<double>::quiet_NaN();             ///< |dL/du| [N]
+  bool stable = false;                                                    ///< a minimum subject to H u = h
   int iterations = 0;
 };
 
 template <int D>
 class JointEquilibrium {
  public:
-  /// @param solid  finished; H  rows over its dofs, of order one; names  one per row, for messages
-  /// @throws common::Error for sizes or settings that make no sense
+  /// @param solid  finished; @param H  (rows x dofs) [1]; @param names  one per row, for messages
+  /// @throws common::Error for sizes that do not match, or settings out of range
   JointEquilibrium(std::shared_ptr<const mpm::Discretisation<D>> solid, ConstraintRows H,
                    std::vector<std::string> names, const JointSettings& settings);
 
-  /// @param f  dead forces [N], (dofs); h  (rows) [m]; guess  displacements to start from [m]
+  /// @param f  dead forces [N], (dofs x 1); @param h  [m], (rows x 1); @param guess  initial u [m], (dofs x 1)
   JointResult solve(const Eigen::VectorXd& f, const Eigen::VectorXd& h, const Eigen::VectorXd& guess);
-  /// Energy, forces and exact tangent at u; the forces without f.
+  /// Evaluation of order TANGENT at u, h = 0 and zero multipliers, with the f of the last solve.
   Evaluation linearise(const Eigen::VectorXd& u);
-  /// [K H^T; H 0] [x; y] = [f; g] with the tangent of an evaluation.
-  /// @throws common::Error without a stable equilibrium, and for joints that were refused
+  /// Solves [K H^T; H 0] [x; y] = [f; g], one system a column, K the tangent of an evaluation.
+  /// @throws common::Error if the equilibrium is not stable or H was refused
   void solveTangent(const Evaluation& at, const Eigen::MatrixXd& f, const Eigen::MatrixXd& g, Eigen::MatrixXd* x,
                     Eigen::MatrixXd* y);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Dead loads: E = -(l + L p) . y.
+/// Dead loads: E = -(l + L p) . y, p the controls.
 
 #include "snapwing/solver/term.h"
 
@@ -7,8 +7,8 @@ namespace snapwing::solver {
 
 class LoadTerm : public Term {
  public:
-  /// @param dead         l [N], (coordinates x 1) from the first on; empty: none
-  /// @param per_control  L, forces per unit of each control [N], (coordinates x controls); empty: none
+  /// @param dead         l [N], on the first full coordinates, (n x 1); empty: none
+  /// @param per_control  L, force per unit of each control [N], (n x controls); empty: none
   LoadTerm(Eigen::VectorXd dead, Eigen::MatrixXd per_control)
       : dead_(std::move(dead)), per_control_(std::move(per_control)) {}
 
@@ -20,7 +20,7 @@ class LoadTerm : public Term {
 
   /// l + L p [N]; empty without loads.
   Eigen::VectorXd loadAt(const Eigen::VectorXd& p) const;
-  /// For its owner, between solves.
+  /// Replaces l [N]. Only between solves.
   void setDead(Eigen::VectorXd dead) { dead_ = std::move(dead); }
 
  private:

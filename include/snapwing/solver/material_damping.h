@@ -1,6 +1,6 @@
 #pragma once
-/// Viscous losses of a solid's material, in a step of length h from y0. Three laws that give one mode the same damping
-/// ratio and a snap three different ones: docs/motion.md compares them.
+/// Viscous losses of a solid's material in a step of length h from y0. Three laws: calibrated to the same damping ratio
+/// of one mode, they dissipate different energies in a snap (compared in docs/motion.md).
 
 #include <memory>
 
@@ -11,17 +11,18 @@
 namespace snapwing::solver {
 
 enum class LaggedTangent {
-  EXACT,      ///< the paper's: with a negative stiffness it FEEDS the motion, c(u) = beta k(u)
-  PROJECTED,  ///< each particle's tangent without its negative eigenvalues: never feeds it
+  EXACT,      ///< the paper's, c(u) = beta k(u): where the stiffness is negative it ADDS energy to the motion
+  PROJECTED,  ///< each particle's tangent without its negative eigenvalues: never adds energy
 };
 
-/// Lagged Rayleigh damping: E = d^T (a M + b K(y0)) d / (2 h), d = y - y0. It brakes rigid rotations as well.
+/// Lagged Rayleigh damping: E = d^T (a M + b K(y0)) d / (2 h), d = y - y0. It also damps rigid rotations.
 template <int D>
 class RayleighTerm : public Term {
  public:
-  /// @param solid  finished; its blocks are those of the region
+  /// @param solid  finished; its pattern defines the region
   /// @param mass   of the same solid; null: a must be 0
-  /// @param a      [1/s] >= 0; @param b  [s] >= 0. @throws common::Error
+  /// @param a      [1/s] >= 0; @param b  [s] >= 0
+  /// @param first  full coordinate of the solid's first displacement. @throws common::Error
   RayleighTerm(std::shared_ptr<const mpm::Discretisation<D>> solid, std::shared_ptr<const mpm::Mass<D>> mass, double a,
                double b, LaggedTangent tangent, int region = 0, int first = 0);
 
@@ -40,12 +41,12 @@ class RayleighTerm : public Term {
   int region_, first_;
 };
 
-/// Kelvin-Voigt: E = beta/(2 h) sum of m w dG : C : dG, dG = G(y) - G(y0) with Green's strain G and the law's moduli at
-/// rest C. Objective: rigid motions cost nothing.
+/// Kelvin-Voigt damping: E = beta/(2 h) sum over particles of V dG : C : dG, dG = G(y) - G(y0). G: Green's strain, C:
+/// moduli of the elastic law at rest, V: volume of the particle. Objective: rigid motions are not damped.
 template <int D>
 class KelvinVoigtTerm : public Term {
  public:
-  /// @param beta  [s] >= 0. @throws common::Error
+  /// @param solid  finished; @param beta  [s] >= 0; @param region, first  as of ElasticTerm. @throws common::Error
   KelvinVoigtTerm(std::shared_ptr<const mpm::Discretisation<D>> solid, double beta, int region = 0, int first = 0);
 
   std::string name() const override { return "material damping"; }

@@ -1,9 +1,10 @@
 #pragma once
 /// Newton's method on the potential of a problem, with the exact tangent, projection on demand and a line search.
 ///
-/// Converged: |r| <= max(relative_tolerance * force_scale, 10 rounding, forceFloor()). A step d solves H d = -r with
-/// the exact H; only if its Cholesky factor does not exist is the Hessian projected cell by cell to be positive. Steps
-/// are shortened until the potential falls (Armijo) and every det F is above 0.
+/// Converged: |r| <= max(relative_tolerance * force_scale, roundings * rounding, forceFloor()). A step d solves
+/// H d = -r with the exact H. If H has no Cholesky factor, it is projected to be positive semidefinite at each
+/// particle. Steps are halved until every det F > 0 and the potential decreases (Armijo; near the solution the
+/// approximate Wolfe conditions [Hager and Zhang 2005]).
 
 #include <functional>
 #include <string>
@@ -18,10 +19,10 @@ enum class SolveStatus {
   CONVERGED,
   ITERATION_LIMIT,
   INVERTED_START,      ///< the first guess inverts an element (det F <= 0)
-  LINE_SEARCH_FAILED,  ///< no step along the direction lowers the potential
-  SINGULAR,            ///< even the projected Hessian has no factor: something is not supported
+  LINE_SEARCH_FAILED,  ///< no step along the direction decreases the potential
+  SINGULAR,            ///< even the projected Hessian has no factor: a body is not supported
   CANCELLED,
-  JUMPED,  ///< the equilibrium that was found lies on another branch
+  JUMPED,  ///< the equilibrium found lies on another branch
 };
 std::string statusName(SolveStatus status);
 
@@ -30,9 +31,9 @@ enum class Projection {
   ALWAYS,     ///< negative eigenvalues always set to zero (the paper): for comparison
   ABSOLUTE,   ///< eigenvalues always replaced by their magnitudes: for comparison
 };
-/// on_demand, clamp or absolute. @throws common::Error
+/// @param name  on_demand, clamp or absolute. @throws common::Error
 Projection projectionFromName(const std::string& name);
-/// What an iteration assembles when the exact tangent does not serve.
+/// Order of evaluation for the projected Hessian.
 inline Order projectedOrder(Projection projection) {
   return projection == Projection::ABSOLUTE ? Order::ABSOLUTE : Order::PROJECTED;
 }
@@ -40,27 +41,27 @@ inline Order projectedOrder(Projection projection) {
 struct NewtonSettings {
   int max_iterations = 60;           ///< [1] >= 1
   double relative_tolerance = 1e-9;  ///< [1] in (0, 1e-2]
-  double roundings = 10;             ///< what rounding leaves of a force, times this, is no residual [1] >= 1
+  double roundings = 10;             ///< [1] >= 1: tolerance in units of Evaluation::rounding
   Projection projection = Projection::ON_DEMAND;
-  /// Steps go along with the factor of an earlier solve as long as each cuts the residual to a quarter, and assemble no
-  /// tangent meanwhile: for steps in time, whose Hessians hardly change. What is converged is the same.
+  /// Reuses the factor of an earlier solve while each iteration reduces the residual to a quarter, and assembles no
+  /// tangent meanwhile: for time steps, whose Hessians hardly change. The criterion of convergence is the same.
   bool keep_factor = false;
-  /// Asked before each iteration; true stops.
+  /// Called before each iteration; true stops.
   std::function<bool()> cancelled;
   /// @throws common::Error naming the field
   void validate() const;
 };
 
-/// What |r| [N] must come below at an evaluation.
+/// Tolerance on |r| [N] at an evaluation.
 double residualTolerance(const Problem& problem, const Evaluation& at, const NewtonSettings& settings);
 
 struct NewtonResult {
   SolveStatus status = SolveStatus::NOT_SOLVED;
   std::string message;                                         ///< what failed and where
   int iterations = 0;                                          ///< linear systems solved
-  int factorizations = 0;                                      ///< tries of Cholesky, failed ones too
+  int factorizations = 0;                                      ///< of Cholesky, failed ones included
   int inner_iterations = 0;                                    ///< of conjugate gradients with an earlier factor
-  int projections = 0;                                         ///< iterations that needed the projected Hessian
+  int projections = 0;                                         ///< iterations with the projected Hessian
   double residual = std::numeric_limits<double>::quiet_NaN();  ///< |r| [N]
   bool converged() const { return status == SolveStatus::CONVERGED; }
 };
@@ -70,26 +71,28 @@ class Newton {
  public:
   Newton(const Problem& problem, NewtonSettings settings);
 
-  /// @param p  controls
-  /// @param z  in: first guess; out: solution if converged, else where it stopped
-  /// @param multipliers  of the problem's constraints, held; empty without constraints
-  /// On success `at` holds the evaluation of order TANGENT at z, with keep_factor of order STRESS.
+  /// Solves dPi/dz = 0 at fixed controls and multipliers. On success `at` is the evaluation at z, of order TANGENT, or
+  /// STRESS with keep_factor.
+  /// @param p  (controls x 1)
+  /// @param z  in: first guess; out: solution if converged, else the last iterate, (free x 1) [m]
+  /// @param multipliers  of the problem's constraints [N], constant; empty without constraints
+  /// @throws common::Error for a wrong number of multipliers
   NewtonResult solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluation& at,
                      const Eigen::VectorXd& multipliers = Eigen::VectorXd());
 
-  /// Shortens the step d until the potential falls; moves z and evaluates there (order TANGENT). @return false if none
-  /// does
+  /// Halves the step d [m] until it is accepted, moves z and evaluates there (order as of solve()).
+  /// @return false if no step is accepted
   bool lineSearch(const Eigen::VectorXd& p, const Eigen::VectorXd& multipliers, const Eigen::VectorXd& d,
                   Eigen::VectorXd& z, Evaluation& at);
 
-  /// Forgets how earlier solves went: what follows depends on the next point and on the factor held only.
+  /// Discards the history of earlier solves: the next solve depends only on its input and on the current factor.
   void forget() {
     patience_ = 0;
     old_factor_serves_ = true;
     factor_is_recent_ = false;
   }
 
-  /// Forgets the factor as well: what follows is what a new object would do.
+  /// Discards the factor as well: the next solve is that of a new object.
   void restart() {
     forget();
     cholesky_.drop();
@@ -99,7 +102,7 @@ class Newton {
   double secondsAssembly() const { return seconds_assembly_; }  ///< [s]
 
  private:
-  /// What stays as it is during a solve.
+  /// Constant during a solve.
   struct Held {
     const Eigen::VectorXd &p, &multipliers;
   };
@@ -112,10 +115,10 @@ class Newton {
   NewtonSettings settings_;
   Cholesky cholesky_;
   Evaluation trial_;
-  int patience_ = 0;  ///< factorizations to wait before an old factor is tried again
+  int patience_ = 0;  ///< factorisations to wait before an old factor is tried again
   bool old_factor_serves_ = true;
-  bool factor_is_recent_ = false;  ///< of an iterate of the solve that runs
-  bool along_ = false;             ///< the next step keeps the factor
+  bool factor_is_recent_ = false;  ///< of an iterate of the current solve
+  bool along_ = false;             ///< the next step reuses the factor
   double seconds_assembly_ = 0;
 };
 

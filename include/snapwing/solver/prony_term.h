@@ -1,5 +1,5 @@
 #pragma once
-/// Terms with internal variables that outlive a step, and the material's memory as one.
+/// Terms with internal variables that persist between steps, and finite viscoelasticity as such a term.
 
 #include <memory>
 
@@ -8,44 +8,46 @@
 
 namespace snapwing::solver {
 
-/// A term of a step whose internal variables belong to the state of motion, zero in what has rested for long.
+/// A term of a step whose internal variables belong to the state of motion. They are zero after a long rest.
 class HistoryTerm : public Term {
  public:
-  /// What a step does to the variables.
+  /// Internal variables after a step.
   struct Passed {
-    Eigen::VectorXd history;  ///< at the end
-    double stored = 0;        ///< energy in them at the end [J]
-    double loss = 0;          ///< [J] >= 0
+    Eigen::VectorXd history;  ///< at the end, (historyCount() x 1)
+    double stored = 0;        ///< their energy at the end [J]
+    double loss = 0;          ///< dissipated in the step [J] >= 0
   };
   Role role() const override { return Role::DISSIPATION; }
   virtual int historyCount() const = 0;
-  /// In the place of keep(), which knows no history. @param history  (historyCount() x 1)
+  /// Called instead of keep(), with the internal variables at the step's start. @param history  (historyCount() x 1)
   virtual std::shared_ptr<const Memory> keepWith(const Point& start, const Eigen::VectorXd& history) const = 0;
-  /// @param end  of a step, with what was kept of its start
+  /// Integrates the internal variables over a step. @param end  of the step, with Point::kept
   virtual Passed pass(const Point& end) const = 0;
   virtual double storedIn(const Eigen::VectorXd& history) const = 0;  ///< [J]
 };
 
-/// Finite viscoelasticity as branches in parallel with the solid's own law, each a spring and a dashpot in series that
-/// are linear in Green's strain G:
+/// Finite viscoelasticity: Maxwell branches (a spring and a dashpot in series) in parallel with the solid's elastic
+/// law, linear in Green's strain G:
 ///   S = S_law(F) + sum_k w_k C q_k,   dq_k/dt = dG/dt - q_k / time_k,   w_k = share_k / slow,
-/// with C the law's moduli at rest. The solid's law is the slow one. Energy sum w/2 q:C:q, loss sum w/time q:C:q >= 0
-/// at any strain; rigid motions cost nothing.
+/// C: moduli of the elastic law at rest. The solid's law has the slow modulus. Stored energy sum w/2 q:C:q, power lost
+/// sum w/time q:C:q >= 0 at any strain, per volume. Rigid motions are not affected.
 ///
-/// A step takes the strain as growing evenly. At one point of the path (s, 1) the stress is the mean over the step for
-/// a growth of (G_s - G_0)/s, at more points and without a path that at the point's own time. Each has a potential in
-/// G_s with a symmetric Hessian; midpoint and average force are of second order. pass() integrates the branches for the
-/// true growth G_1 - G_0; the difference in work is the scheme's, of third order a step.
+/// In a step the strain is taken to grow linearly in time. With one point (s, 1) in Step::path the stress is the mean
+/// over the step for a growth of (G_s - G_0)/s. With several points, or none, it is the stress at the time of each
+/// point. Each has a potential in G_s with a symmetric Hessian; midpoint and average force are of second order. pass()
+/// integrates the branches for the actual growth G_1 - G_0; the difference in work is an error of the scheme, of third
+/// order in a step.
 template <int D>
 class PronyTerm : public HistoryTerm {
  public:
-  /// @param solid  finished, with the slow law. @throws common::Error for the series
+  /// @param solid  finished, with the slow law; @param region, first  as of ElasticTerm
+  /// @throws common::Error for an invalid series
   PronyTerm(std::shared_ptr<const mpm::Discretisation<D>> solid, elasticity::PronySeries series, int region = 0,
             int first = 0);
 
   std::string name() const override { return "memory of the material"; }
   int region() const override { return particles_.region(); }
-  /// Components xx, yy (zz), xy (yz, xz) of q, by particle and branch.
+  /// Number of components xx, yy (zz), xy (yz, xz) of q, stored by particle and branch.
   int historyCount() const override;
   std::shared_ptr<const Memory> keepWith(const Point& start, const Eigen::VectorXd& history) const override;
   Passed pass(const Point& end) const override;
@@ -60,7 +62,8 @@ class PronyTerm : public HistoryTerm {
     return (static_cast<int>(particle) * branches() + branch) * COMPONENTS;
   }
   double weightOf(int branch) const { return series_.branches[branch].share / series_.slow(); }
-  /// @param share, weight  of a point of the path; @param past, now  by branch: factors of q_k and of G_s - G_0
+  /// @param share, weight  of a point of the path; @param past  factor of q_k by branch; @param now  factor of G_s -
+  /// G_0
   void evaluateAt(const Eigen::VectorXd& y, const Start& start, double share, double weight,
                   const Eigen::VectorXd& past, double now, Order order, Sum& sum) const;
 

@@ -1,8 +1,7 @@
 #pragma once
-/// Inertia of a rigid body that has no cells, in a step: its points are X + c + E X / L, so that its mass matrix in the
-/// coordinates (c, E) is constant and the same for each component,
-///   B = [m, b^T / L; b / L, S / L^2],   b = sum of m X, S = sum of m X X^T
-/// about the point that c is the displacement of.
+/// Inertia of a rigid body without cells in a step. Its points are at X + c + E X / L, X measured from the point whose
+/// displacement is c. The mass matrix in the coordinates (c, E) is therefore constant and the same for each component,
+///   B = [m, b^T / L; b / L, S / L^2],   b = sum of m X, S = sum of m X X^T.
 
 #include <Eigen/Core>
 #include <string>
@@ -16,9 +15,11 @@ namespace snapwing::solver {
 struct RigidMass {
   double mass = 0;                                   ///< m [kg]
   Eigen::Vector3d first = Eigen::Vector3d::Zero();   ///< b [kg m]
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< S [kg m2], symmetric, not negative
-  /// Of a body with its centre at X_c and the inertia tensor J about it (moments J_ii, products negative): S is what
-  /// belongs to them. @throws common::Error for masses and inertias that no body has
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< S [kg m2], symmetric positive semidefinite
+  /// Moments of a body: b = m X_c, S = tr(J)/2 I - J + m X_c X_c^T.
+  /// @param mass  m [kg] > 0; @param centre  centre of mass X_c [m]
+  /// @param inertia  tensor J about the centre [kg m2] (products of inertia with negative sign)
+  /// @throws common::Error for a mass or an inertia that no body has (triangle inequality of the principal moments)
   static RigidMass of(double mass, const Eigen::Vector3d& centre, const Eigen::Matrix3d& inertia);
 };
 
@@ -26,7 +27,7 @@ class RigidInertiaTerm : public Term {
  public:
   /// @param dimension    2 or 3
   /// @param centre       full coordinate of the first component of c
-  /// @param rotation     whose entries E are
+  /// @param rotation     of the body: place of the entries of E, and L
   RigidInertiaTerm(std::string name, int dimension, int centre, const Rotation& rotation, const RigidMass& mass);
 
   std::string name() const override { return name_; }
@@ -34,9 +35,9 @@ class RigidInertiaTerm : public Term {
   std::vector<std::vector<int>> couples() const override { return couples_; }
   void evaluate(const Point& at, Order order, Sum& sum) const override;
 
-  /// Linear momentum [kg m/s] at rates v of the full coordinates, in the plane with zeros.
+  /// Linear momentum [kg m/s] at rates v [m/s] of the full coordinates; 2-D: z is 0.
   Eigen::Vector3d momentum(const Eigen::VectorXd& v) const;
-  /// Angular momentum about the origin of the body's reference [kg m2/s], at full coordinates y and rates v.
+  /// Angular momentum [kg m2/s] about the origin of X, at full coordinates y [m] and rates v [m/s]; 2-D: z only.
   Eigen::Vector3d angularMomentum(const Eigen::VectorXd& y, const Eigen::VectorXd& v) const;
   double kineticEnergy(const Eigen::VectorXd& v) const;  ///< [J]
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A linear function of the full coordinates, row . y: a distance, a travel, the place of a body along an axis.
+/// A linear function of the full coordinates, row . y [m]: a distance, a travel, the position of a body along an axis.
 
 #include <Eigen/Core>
 #include <utility>
@@ -13,13 +13,13 @@ class Row {
   /// @param entries  (full coordinate, coefficient [1]); at least one, none twice. @throws common::Error
   explicit Row(std::vector<std::pair<int, double>> entries);
 
-  /// The function's value. @param y  (full coordinates x 1)
+  /// The function's value [m]. @param y  full coordinates [m], (full x 1)
   double dot(const Eigen::VectorXd& y) const {
     double sum = 0;
     for (std::size_t k = 0; k < coordinates_.size(); ++k) sum += values_(static_cast<int>(k)) * y(coordinates_[k]);
     return sum;
   }
-  /// Sum of |coefficient * coordinate|: what rounding of the function is a share of.
+  /// Sum of |coefficient * coordinate| [m]: times the machine epsilon, the rounding error of the function.
   double size(const Eigen::VectorXd& y) const {
     double sum = 0;
     for (std::size_t k = 0; k < coordinates_.size(); ++k)
@@ -33,7 +33,7 @@ class Row {
   }
   double norm() const { return values_.norm(); }  ///< of the coefficients [1]
   const std::vector<int>& coordinates() const { return coordinates_; }
-  const Eigen::VectorXd& values() const { return values_; }
+  const Eigen::VectorXd& values() const { return values_; }  ///< coefficients [1], in the order of coordinates()
 
  private:
   std::vector<int> coordinates_;

@@ -1,6 +1,6 @@
 #pragma once
-/// Terms of one linear function of the coordinates, g = row . y [m]: what bodies on an axis, joints and stops need
-/// beside the solids. Each couples the coordinates of its row and nothing else.
+/// Terms of one linear function of the full coordinates, g = row . y [m], for bodies on an axis, joints and stops. Each
+/// term couples only the coordinates of its row. Index 0: at the step's start; h [s]: length of the step.
 
 #include <string>
 
@@ -9,7 +9,7 @@
 
 namespace snapwing::solver {
 
-/// What the terms of a row share.
+/// Base of the terms of one row.
 class RowTerm : public Term {
  public:
   RowTerm(std::string name, Role role, Row row) : name_(std::move(name)), role_(role), row_(std::move(row)) {}
@@ -27,7 +27,7 @@ class RowTerm : public Term {
   Row row_;
 };
 
-/// Inertia of a mass that moves by g: kappa/2 m (g - g0 - h g0')^2.
+/// Inertia of a mass m whose displacement is g: kappa/2 m (g - g0 - h g0')^2, kappa as in Step. Zero in statics.
 class RowInertia : public RowTerm {
  public:
   /// @param mass  [kg] >= 0. @throws common::Error
@@ -38,7 +38,7 @@ class RowInertia : public RowTerm {
   double mass_;
 };
 
-/// Spring of a stiffness k that is at rest where g = 0: k g^2 / 2.
+/// Linear spring of stiffness k, unloaded at g = 0: k g^2 / 2.
 class RowSpring : public RowTerm {
  public:
   /// @param stiffness  [N/m] >= 0. @throws common::Error
@@ -49,7 +49,7 @@ class RowSpring : public RowTerm {
   double stiffness_;
 };
 
-/// Viscous: h c/2 v^2, v = (g - g0) / h.
+/// Viscous damper: h c/2 v^2, v = (g - g0) / h. Zero in statics.
 class RowDamper : public RowTerm {
  public:
   /// @param damping  c [N s/m] >= 0. @throws common::Error
@@ -60,7 +60,7 @@ class RowDamper : public RowTerm {
   double damping_;
 };
 
-/// Drag k |w| w against w = v - wind, v the step's mean speed: h k/3 |w|^3.
+/// Quadratic drag, force k |w| w at the relative speed w = (g - g0) / h - wind: h k/3 |w|^3. Zero in statics.
 class RowDrag : public RowTerm {
  public:
   /// @param coefficient  k = rho CdA / 2 [N s2/m2] >= 0; @param wind  along the row [m/s]. @throws common::Error
@@ -71,7 +71,8 @@ class RowDrag : public RowTerm {
   double coefficient_, wind_;
 };
 
-/// Coulomb friction, smooth within a speed: h f (sqrt(v^2 + v_0^2) - v_0), whose force is f v / sqrt(v^2 + v_0^2).
+/// Coulomb friction, regularised below the speed v_0: h f (sqrt(v^2 + v_0^2) - v_0), v = (g - g0) / h. Its force is
+/// f v / sqrt(v^2 + v_0^2). Zero in statics.
 class RowFriction : public RowTerm {
  public:
   /// @param force  f [N] >= 0; @param speed  v_0 [m/s] > 0. @throws common::Error
@@ -82,10 +83,10 @@ class RowFriction : public RowTerm {
   double force_, speed_;
 };
 
-/// A stop that holds g up: k/2 (gap - g)^2 where g < gap.
+/// Unilateral stop: k/2 (gap - g)^2 where g < gap, else 0.
 class RowStop : public RowTerm {
  public:
-  /// @param stiffness  k [N/m] > 0. @throws common::Error
+  /// @param gap  of g at contact [m], finite; @param stiffness  k [N/m] > 0. @throws common::Error
   RowStop(std::string name, Row row, double gap, double stiffness);
   void evaluate(const Point& at, Order order, Sum& sum) const override;
 
@@ -93,15 +94,16 @@ class RowStop : public RowTerm {
   double gap_, stiffness_;
 };
 
-/// Dashpot beside a stop of stiffness k that lets a mass m bounce off with `restitution` times its speed [N s/m]:
-/// c = 2 zeta sqrt(k m), zeta = -ln e / sqrt(pi^2 + ln^2 e).
+/// Damping [N s/m] in parallel with a stop of stiffness k from which a mass m rebounds at `restitution` times its
+/// speed: c = 2 zeta sqrt(k m), zeta = -ln e / sqrt(pi^2 + ln^2 e), the half period of a damped oscillator.
+/// @param term  name in messages; @param stiffness  k [N/m] > 0; @param mass  m [kg] > 0
 /// @param restitution  e in (0, 1]. @throws common::Error naming the term
 double stopDamping(const std::string& term, double stiffness, double mass, double restitution);
 
-/// Loss of a stop: h c/2 v^2 while the step begins behind the gap.
+/// Loss of a stop: h c/2 v^2, v = (g - g0) / h, in steps that begin in contact (g0 < gap). Zero in statics.
 class RowStopLoss : public RowTerm {
  public:
-  /// c is stopDamping. @param restitution  e in (0, 1]; @param mass  that bounces [kg] > 0. @throws common::Error
+  /// c = stopDamping(name, stiffness, mass, restitution). @param gap  of g at contact [m]. @throws common::Error
   RowStopLoss(std::string name, Row row, double gap, double stiffness, double mass, double restitution);
   void evaluate(const Point& at, Order order, Sum& sum) const override;
   double damping() const { return damping_; }  ///< c [N s/m]

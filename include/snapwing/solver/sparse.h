@@ -11,16 +11,16 @@
 
 namespace snapwing::solver {
 
-/// Rows of linear equations.
+/// Coefficients of linear equations, one a row.
 using ConstraintRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// Lower triangle, rows ascending in each column, every diagonal entry present.
 struct SparsePattern {
   int size = 0;
-  std::vector<int> start;  ///< size + 1
-  std::vector<int> row;
+  std::vector<int> start;  ///< index of each column's first entry, (size + 1)
+  std::vector<int> row;    ///< row of each entry
   int entries() const { return static_cast<int>(row.size()); }
-  /// Place of an entry that exists, row >= column.
+  /// Index of an existing entry, row >= column.
   int find(int row_number, int column) const {
     return static_cast<int>(std::lower_bound(row.begin() + start[column], row.begin() + start[column + 1], row_number) -
                             row.begin());
@@ -29,34 +29,38 @@ struct SparsePattern {
   Eigen::VectorXd multiply(const std::vector<double>& values, const Eigen::VectorXd& x) const;
 };
 
-/// Factor with a pattern that is analysed once (METIS, supernodal). BLAS runs on one thread, so that the bits do not
-/// depend on the machine's cores.
+/// Factor of matrices of one pattern, which is analysed once (METIS, or AMD up to 300 unknowns; supernodal). Matrices
+/// with small fronts use an own supernodal factor (src/solver/supernodal.h), larger ones CHOLMOD with BLAS. BLAS runs
+/// on one thread, so that the bits do not depend on the machine's cores.
 class Cholesky : public common::Lender {
  public:
+  /// @throws common::Error if the analysis fails
   explicit Cholesky(const SparsePattern& pattern);
   ~Cholesky();
   Cholesky(const Cholesky&) = delete;
   Cholesky& operator=(const Cholesky&) = delete;
 
-  /// L L^T of the matrix (values in the order of the pattern). @return false if it is not positive definite; there is
-  /// then no factor.
+  /// Factorises L L^T. @param values  of the matrix in the order of the pattern
+  /// @return false if it is not positive definite; there is then no factor
   bool factorize(const std::vector<double>& values);
-  /// L D L^T without pivoting, for an indefinite matrix: slower, and only to be trusted away from singular minors.
-  /// @return number of negative pivots, or -1 if a pivot vanished
+  /// Factorises L D L^T without pivoting, for an indefinite matrix: slower, and inaccurate near singular minors.
+  /// @return number of negative pivots, or -1 if a pivot is zero
   int factorizeIndefinite(const std::vector<double>& values);
-  /// Forgets the factor, not the analysis.
+  /// Discards the factor, not the analysis.
   void drop();
-  /// True if the last factorization was L L^T and good.
+  /// True if the current factor is L L^T.
   bool definite() const;
-  /// Solution with the last good factor; right sides (n x 1), or (n x k) one a column.
+  /// Solves with the current factor. @param right  (n x 1), or (n x k) with one right-hand side a column
+  /// @throws common::Error without a factor
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   double factorEntries() const;  ///< nnz(L) of the analysis
-  /// How far a matrix A is from the one that was factorized, F: the largest |eigenvalue| of F^-1 (A - F), by two steps
-  /// of the power method from a soft motion without symmetry. Infinite without a Cholesky factor. Well below 1, both
-  /// matrices are positive definite.
+  /// Distance of a matrix A from the factorised matrix F: estimate of the largest |eigenvalue| of F^-1 (A - F) [1], by
+  /// two steps of the power method from a soft motion without symmetry. Infinite without a Cholesky factor. If it is
+  /// well below 1, A is positive definite as well.
   double distance(const std::vector<double>& values) const;
-  /// What a factorization costs, in solves: estimated from the analysis, so that it is the same on each machine.
+  /// Cost of a factorisation in units of one solve, estimated from the analysis, so that it is the same on each
+  /// machine.
   double factorCostInSolves() const;
   int factorizations() const { return factorizations_; }
   double secondsAnalysis() const { return seconds_analysis_; }  ///< [s]

@@ -12,27 +12,28 @@
 
 namespace snapwing::solver {
 
-/// What a step adds to a point: its data, and what its start is pulled back with. Owned by the stepper.
+/// A time step for TermProblem::evaluateAt. Owned by the stepper.
 struct StepContext {
   Step step;
-  /// Rotations at the start. If given, the residual is pulled back by the mean of start and end, which keeps angular
-  /// momentum and energy; it is then not the derivative of the potential.
+  /// Rotations at the start. If given, the residual is pulled back by the mean of start and end
+  /// (Coordinates::pullBackMean), which conserves angular momentum and energy. It is then not the derivative of the
+  /// potential.
   std::shared_ptr<const Coordinates::Place> mean_with;
-  double stored_at_start = 0;  ///< [J] of Role::STORED at y0, for a path
+  double stored_at_start = 0;  ///< [J] of Role::STORED at y0; used with Step::path
 };
 
 class TermProblem : public Problem {
  public:
   struct Parts {
-    HessianLayout layout;  ///< with the regions; couples are added by the problem
+    HessianLayout layout;  ///< with the regions; the problem adds the couples
     std::shared_ptr<const Coordinates> coordinates;
-    std::vector<std::shared_ptr<const Term>> terms;    ///< added in this order
+    std::vector<std::shared_ptr<const Term>> terms;    ///< evaluated in this order
     int threads = 1;                                   ///< of assembly
-    double force_floor = 0;                            ///< [N] smallest force that counts
-    double energy_floor = 0;                           ///< [J] as Problem::energyFloor
+    double force_floor = 0;                            ///< [N] Problem::forceFloor
+    double energy_floor = 0;                           ///< [J] Problem::energyFloor
     std::shared_ptr<const Constraints> constraints{};  ///< kept as equations; null: none
   };
-  /// @throws common::Error for sizes that do not fit and couples that do not exist
+  /// @throws common::Error for sizes that do not match, and for regions or coordinates that do not exist
   explicit TermProblem(Parts parts);
 
   int freeCount() const override { return coordinates_->freeCount(); }
@@ -45,9 +46,10 @@ class TermProblem : public Problem {
                           Order order, Evaluation& out) const override {
     evaluateAt(z, p, nullptr, nullptr, order, out, &multipliers);
   }
-  /// @param references  of the rotations; null: all 1
+  /// @param z  (free x 1) [m]; @param p  (controls x 1)
+  /// @param references  of the rotations; null: all I
   /// @param step        null: statics
-  /// @param multipliers of the constraints; null: zeros
+  /// @param multipliers of the constraints [N]; null: zeros
   void evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const References* references,
                   const StepContext* step, Order order, Evaluation& out,
                   const Eigen::VectorXd* multipliers = nullptr) const;
@@ -63,13 +65,13 @@ class TermProblem : public Problem {
   std::shared_ptr<const Coordinates> sharedCoordinates() const { return coordinates_; }
   const std::vector<std::shared_ptr<const Term>>& terms() const { return parts_.terms; }
   int threads() const { return parts_.threads; }
-  /// What the terms keep of a step's start (Step::kept). @param y  full coordinates there, p  controls
+  /// Data that the terms store at a step's start (Step::kept). @param y  full coordinates there [m]; @param p  controls
   std::vector<std::shared_ptr<const Memory>> keep(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;
-  /// One term alone, by its number in terms(): for ledgers. `sum` is reset before.
+  /// Evaluates one term only, by its index in terms(): for energy balances. Resets `sum` first.
   void evaluateTerm(std::size_t term, const Point& at, Order order, Sum& sum) const;
-  /// The same coordinates, layout and constraints with more terms behind its own.
+  /// A problem with the same coordinates, layout and constraints, and further terms behind its own.
   std::shared_ptr<const TermProblem> with(const std::vector<std::shared_ptr<const Term>>& more) const;
-  /// d(dPi/dy . v)/d(density) of each cell at an evaluation, dPi/d(density) if v is null. (cells x 1)
+  /// d(dPi/dy . v)/d(density) of each cell at an evaluation, or dPi/d(density) if v is null. (cells x 1) [J], v in m
   Eigen::VectorXd densityDerivative(const Evaluation& at, const Eigen::VectorXd* v, int cells) const;
 
  private:
@@ -79,30 +81,29 @@ class TermProblem : public Problem {
 
   Parts parts_;
   std::shared_ptr<const Coordinates> coordinates_;
-  std::shared_ptr<const Constraints> constraints_;       ///< in coordinates that are free
-  std::unique_ptr<const ConstraintTerm> constraint_;     ///< what they add
-  std::shared_ptr<const ConstraintRows> constant_rows_;  ///< by z, if nothing turns
+  std::shared_ptr<const Constraints> constraints_;       ///< with eliminated coordinates substituted
+  std::unique_ptr<const ConstraintTerm> constraint_;     ///< their term
+  std::shared_ptr<const ConstraintRows> constant_rows_;  ///< dg/dz, if there are no rotations
   std::vector<std::vector<int>> couples_;                ///< places per term, then of the constraints
   HessianLayout layout_;                                 ///< with the terms' couples
   HessianPullBack pull_back_;
 };
 
-/// Parts with the elastic energy of solids as the one region and the first term; the coordinates begin with the solids'
-/// displacements.
+/// Parts with the elastic energy of a solid as the only region and the first term. The coordinates must begin with the
+/// solid's displacements. @param force_floor  [N]
 template <int D>
 TermProblem::Parts solidParts(std::shared_ptr<const mpm::Discretisation<D>> solid,
                               std::shared_ptr<const Coordinates> coordinates, int threads, double force_floor);
 
-/// A problem as one step sees it: the same unknowns and pattern, with the step in every term's hand. For Newton's
-/// method.
+/// The problem of one time step, for Newton's method: same unknowns and pattern as the base, evaluated with the step.
 class StepProblem : public Problem {
  public:
-  /// @param references  null: all 1. All are held while the problem lives.
+  /// @param references  of the rotations; null: all I
   StepProblem(std::shared_ptr<const TermProblem> base, std::shared_ptr<const StepContext> step,
               std::shared_ptr<const References> references)
       : base_(std::move(base)), step_(std::move(step)), references_(std::move(references)) {}
 
-  /// For the next step: pattern and factors stay good.
+  /// Sets the next step; the pattern stays the same.
   void setStep(std::shared_ptr<const StepContext> step, std::shared_ptr<const References> references) {
     step_ = std::move(step);
     references_ = std::move(references);
