@@ -1,5 +1,5 @@
 #pragma once
-/// What a run along a scene's path has reached, kept in a file so that it can go on after an interruption.
+/// Checkpoint of a run along a scene's path, from which it can be resumed after an interruption.
 
 #include <string>
 
@@ -8,10 +8,10 @@
 
 namespace snapwing::statics {
 
-/// Hash of all that the points of a scene's path depend on; `more` adds settings that are not in the scene.
+/// SHA-256 of the inputs of a scene's path: version, scene, numerical settings. `more`: settings outside the scene.
 std::string traceHash(const scene::Scene& scene, const std::string& more);
 
-/// Replaces the file in one step. @throws common::FileError
+/// Stores the runs `path` and `back` of a curve, not `below`. Replaces the file atomically. @throws common::FileError
 void saveCheckpoint(const SceneCurve& sofar, const std::string& hash, const std::string& path);
 
 /// @throws common::OtherProgramError if another build of the solver wrote it

@@ -1,6 +1,6 @@
 #pragma once
-/// Follows the equilibria of a problem while one control (the travel of a driven port), or the place on a line of
-/// several, goes from value to value.
+/// Follows a branch of equilibria by displacement control: one control (the travel of a driven port, a load factor), or
+/// the parameter of a line of controls, takes given values one after the other.
 
 #include <functional>
 #include <string>
@@ -15,68 +15,70 @@ namespace snapwing::statics {
 struct PathSettings {
   solver::NewtonSettings newton;
   solver::ControlLine line;     ///< of the controls; may be left out if there is exactly one
-  double smallest_step = 1e-3;  ///< [1] share of a wanted step below which the path is given up, in (0, 1]
-  bool keep_solutions = true;   ///< store z of every point
-  /// Called after each wanted point with its number; returns true to stop.
+  double smallest_step = 1e-3;  ///< [1] in (0, 1]: share of the step to a target below which the path ends
+  bool keep_solutions = true;   ///< store z, its slope and the multipliers of every point
+  /// Called after each target with its index; true stops.
   std::function<bool(int point)> progress;
-  /// Told every point that is recorded.
+  /// Called with every recorded point.
   std::function<void(const struct PathPoint& point)> recorded;
   /// A step that releases energy (snaps to another branch) counts as failed.
   bool refuse_jumps = false;
-  /// A stable equilibrium that another run found at exactly this control, or null. It is taken for the next point where
-  /// this path leads to it: a way back need not find again what the way there found.
+  /// A stable equilibrium that another run found at exactly this control, or null. It becomes the next point if the
+  /// guess of this path is near it: the way back reuses the solutions of the way there.
   std::function<const struct PathPoint*(double control)> known;
   bool locate_singular = true;  ///< where the number of negative pivots changes
-  /// Leaves the primary branch at bifurcations, by this largest motion along the mode [m]; 0: stays on it.
+  /// [m] At a bifurcation of a stable branch the path continues on the other branch, starting with this largest entry
+  /// of the motion along the mode; 0: it stays on the primary branch.
   double perturbation = 0;
 };
 
 struct PathPoint {
-  double control = 0;       ///< [m] (or load factor)
-  double energy = 0;        ///< elastic energy [J]
-  double force = 0;         ///< dPi/dp [N]: what holds the control
-  double stiffness = 0;     ///< d2Pi/dp2 along the path [N/m]
-  bool stable = false;      ///< the Hessian of the free coordinates has a Cholesky factor
-  int negative_pivots = 0;  ///< of the free Hessian; -1 unknown
-  double min_det_f = 1;
-  int iterations = 0;        ///< with those of intermediate steps
-  int factorizations = 0;    ///< same
-  bool restart = false;      ///< what follows does not depend on what came before
-  bool by_arc = false;       ///< found by arc length, not at a wanted control
-  Eigen::VectorXd solution;  ///< z
-  Eigen::VectorXd slope;     ///< dz/d(control) along the path; kept and left out with the solution
-  Eigen::VectorXd multipliers;
+  double control = 0;           ///< [m] (or load factor)
+  double energy = 0;            ///< elastic energy [J]
+  double force = 0;             ///< dPi/dp [N]: force on the control (load factor: [J])
+  double stiffness = 0;         ///< d(force)/dp along the path [N/m]
+  bool stable = false;          ///< no negative pivots
+  int negative_pivots = 0;      ///< of the Hessian on admissible motions; -1 unknown
+  double min_det_f = 1;         ///< smallest over the particles [1]
+  int iterations = 0;           ///< of Newton, intermediate steps included
+  int factorizations = 0;       ///< likewise
+  bool restart = false;         ///< restart point: the next points depend on this and the recorded ones only
+  bool by_arc = false;          ///< found by arc length, not at a target
+  Eigen::VectorXd solution;     ///< z [m]; empty without keep_solutions, as the next two
+  Eigen::VectorXd slope;        ///< dz/dp along the path
+  Eigen::VectorXd multipliers;  ///< of kept constraints [N]
 };
 
 struct PathResult {
   solver::SolveStatus status = solver::SolveStatus::NOT_SOLVED;
-  std::string message;            ///< on failure: where and why
-  std::vector<PathPoint> points;  ///< those that were reached
-  std::vector<SingularPoint> singular;
-  std::vector<std::string> account;  ///< what was tried where, beside plain steps
+  std::string message;                  ///< on failure: where and why
+  std::vector<PathPoint> points;        ///< the points reached
+  std::vector<SingularPoint> singular;  ///< singular points located
+  std::vector<std::string> account;     ///< changes of method and failed attempts, in words
   int iterations = 0, factorizations = 0, projections = 0, halvings = 0;
-  double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;
+  double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;  ///< wall [s]
 };
 
-/// What a path or an arc reports of a linearised point.
+/// PathPoint of a linearised equilibrium.
 PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factorizations, bool keep_solution);
 
-/// Steps from point to point with a Hermite predictor; a step that fails is halved.
+/// Displacement control with a Hermite predictor; a step that fails is halved.
 class PathFollower {
  public:
-  /// @throws common::Error for a line that does not fit its controls
+  /// @param problem  lent. @throws common::Error for settings out of range, or a line of another number of controls
   PathFollower(const solver::Problem& problem, PathSettings settings);
 
-  /// @param start     free coordinates near equilibrium at targets[0]
-  /// @param targets   control values in the order of the path, at least one
+  /// Fails with SINGULAR at the first target if a body is not supported.
+  /// @param start     first guess of the equilibrium at targets[0], (free x 1) [m]
+  /// @param targets   control values in the order of the path, at least one. @throws common::Error for none
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
-  /// Goes on from a linearised point, which is not recorded again. It and every tenth wanted point are restart points.
-  /// @param trail  recorded points before and at the start, in their order, for the first guesses
+  /// Continues from a linearised point, which is not recorded again. It and every tenth target are restart points.
+  /// @param trail  recorded points up to the start, in their order, for the predictor
   PathResult followFrom(const solver::Equilibrium& start, const std::vector<double>& targets,
                         const std::vector<PathPoint>& trail = {});
 
   solver::EquilibriumSolver& solver() { return solver_; }
-  /// Where the last path ended.
+  /// Last point of the last path.
   const solver::Equilibrium& place() const { return place_; }
 
  private:
@@ -96,9 +98,9 @@ class PathFollower {
   PathSettings settings_;
   solver::EquilibriumSolver solver_;
   Predictor predictor_;
-  std::vector<PathPoint> trail_;  ///< the last recorded points: all that a resumed run knows
+  std::vector<PathPoint> trail_;  ///< the last recorded points: the only history of a resumed run
   solver::Equilibrium place_;
-  Eigen::VectorXd refined_;  ///< solution at the place, better than the tolerance asks for
+  Eigen::VectorXd refined_;  ///< solution at the place, more accurate than the tolerance requires
   PathResult result_;
   int factorizations_before_ = 0;
 };

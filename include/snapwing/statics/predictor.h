@@ -1,8 +1,8 @@
 #pragma once
-/// First guess of a path's next point from the last ones and their tangents dz/dp.
+/// First guess of a path's next point by extrapolation from the last points and their tangents dz/dp.
 ///
-/// Candidates are the Hermite polynomials through the last 1 to 5 points: tangent, cubic, .. order 9. The one is taken
-/// that would have met the last point best, so that a path with a kink falls back to its tangent.
+/// Candidates are the Hermite polynomials through the last 1 to 5 points: the tangent, a cubic, up to order 9. The one
+/// with the smallest error at the last point is chosen; after a kink of the path this is the tangent.
 
 #include <Eigen/Core>
 #include <vector>
@@ -13,11 +13,11 @@ class Predictor {
  public:
   static constexpr std::size_t MOST_POINTS = 5;
 
-  /// Forgets the path: what follows is another branch.
+  /// Discards all points: another branch follows.
   void clear();
-  /// A converged point with its tangent.
+  /// Adds a converged point with its tangent. @param z  [m]; @param slope  dz/dp
   void add(double p, const Eigen::VectorXd& z, const Eigen::VectorXd& slope);
-  /// Guess at p. Needs at least one point.
+  /// Guess of z at p [m]. Requires at least one point.
   Eigen::VectorXd guess(double p) const;
 
  private:
@@ -29,7 +29,7 @@ class Predictor {
   int usable(double p) const;
 
   std::vector<Point> points_;  ///< newest last
-  int best_ = 1;               ///< number of points that would have met the newest best
+  int best_ = 1;               ///< number of points with the smallest error at the newest
 };
 
 }  // namespace snapwing::statics
