@@ -1,5 +1,5 @@
 #pragma once
-/// The arms of a vehicle as bodies of one scene, each in its own axes.
+/// The soft arms of a vehicle as bodies of one scene, each in its own axes.
 
 #include <vector>
 
@@ -10,17 +10,21 @@
 
 namespace snapwing::motion {
 
-/// One body for each group of arms that move alike, all driven by the one travel.
-/// @param force_scale  of the real arm; @param series  of the material
-/// @param shares  how many times the first group's arm each of them is, in forces and masses
+/// Scene with one body for each group of arms that move alike, all driven by the one travel.
+/// @param force_scale  [1] real force / computed force, applied to Young's modulus
+/// @param series  relaxation of the material, by which a fast modulus is reduced to the slow one
+/// @param shares  [1] of each group, forces and masses relative to the first group
+/// @throws common::FileError for the density file; common::Error for a cell size that does not divide the domain
 scene::Scene armBodies(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings,
                        const elasticity::PronySeries& series, const std::vector<double>& shares);
 
-/// Largest principal strain of solids at nodal displacements in whatever axes (mpm::Discretisation::largestStrain). [1]
+/// Largest principal strain [1] of the arms at nodal displacements [m], in any axes
+/// (mpm::Discretisation::largestStrain).
 double largestStrain(const scene::CompiledScene& arms, const Eigen::VectorXd& displacements);
-/// True if an eliminated coordinate is that of an axle across it, in its arm's first direction. @param dof  of a node
+/// True if an eliminated coordinate is the x component of a node at the axle (outer half of the arm); volumetric only.
+/// @param dof  number of an eliminated nodal coordinate
 bool ofAxle(const scene::CompiledScene& arms, int dof);
-/// The equation of such a coordinate for the same points along the axle: they do not slide.
+/// The elimination equation of such a coordinate, applied to the z components: nodes do not slide along the axle.
 solver::Equation alongAxle(const solver::Reduction& arms, int dof);
 
 }  // namespace snapwing::motion

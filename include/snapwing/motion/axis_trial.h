@@ -1,6 +1,6 @@
 #pragma once
-/// One pulse on a vehicle in time (trial_vehicle.h): what is recorded, when it has ended, and the answer in the words
-/// of the lumped prediction.
+/// Simulation of one pulse on a TrialVehicle: the record, the criterion for its end, and the outcome, defined as in the
+/// lumped prediction.
 
 #include <functional>
 #include <string>
@@ -14,21 +14,22 @@
 
 namespace snapwing::motion {
 
-/// What a scheme fed or ate could have decided the end mode: smaller steps are needed.
+/// The energy that the scheme added or removed is so large that it may have decided the end mode: smaller steps are
+/// needed.
 class AccountError : public common::Error {
  public:
   using common::Error::Error;
 };
 
-/// Thrust of all rotors under a sequence of demands: first-order lag, with one constant up and another down.
+/// Thrust of all rotors under a sequence of demands: first-order lag with separate time constants up and down.
 class ThrustHistory {
  public:
-  /// @param initial  [N]; @param time_up, time_down  [s] > 0
+  /// @param initial  [N]; @param time_up, time_down  [s] > 0. @throws common::Error
   ThrustHistory(double initial, double time_up, double time_down);
-  /// From `time` on (not before the last one) `wanted` newtons.
+  /// Demands `wanted` [N] from `time` [s] on. @throws common::Error for a time before that of the last demand
   void demand(double time, double wanted);
   double at(double time) const;                  ///< [N]
-  double mean(double from, double until) const;  ///< over a time without a change of demand [N]
+  double mean(double from, double until) const;  ///< over an interval without a change of demand [N]
 
  private:
   struct Piece {
@@ -43,46 +44,49 @@ struct AxisTrial {
   vehicle::Mode start = vehicle::Mode::FIXED_WING;
   double fraction = 0;                     ///< steady thrust of the pulse / full thrust, [0, 1]
   double duration = 0;                     ///< of the command [s] >= 0
-  double initial_fraction = 0;             ///< before the pulse reaches the motors
-  std::vector<vehicle::ThrustLevel> then;  ///< one after the other, right behind the pulse
-  double final_fraction = 0;               ///< after all of them
+  double initial_fraction = 0;             ///< [0, 1] before the pulse reaches the motors
+  std::vector<vehicle::ThrustLevel> then;  ///< further levels, directly after the pulse, in order
+  double final_fraction = 0;               ///< [0, 1] after all levels
   double latency = 0;                      ///< [s] command -> motors
   double max_thrust = 0;                   ///< [N] all rotors
-  double time_up = 0, time_down = 0;       ///< [s]
-  double horizon = 4;                      ///< [s] longest time watched after the last level
-  std::vector<double> changes() const;     ///< [s] when another thrust is asked of the motors, in order
-  /// A pulse on realised parameters. @param idle  steady thrust at motor idle / full thrust
+  double time_up = 0, time_down = 0;       ///< [s] time constants of the rotors
+  double horizon = 4;                      ///< [s] longest time simulated after the last level
+  std::vector<double> changes() const;     ///< [s] times at which the demanded thrust changes, in order
+  /// A pulse with a realisation's parameters. @param fraction  [0, 1]; @param duration  [s], 0 .. 60
+  /// @param idle  steady thrust at motor idle / full thrust. @throws common::Error
   static AxisTrial of(vehicle::Mode start, double fraction, double duration,
                       const vehicle::VehicleParameters& parameters, double idle, const vehicle::Trial& trial);
 };
 
-/// The members of rom::SnapPrediction that a solid has, by the same definitions.
+/// Outcome of a trial, with the definitions of rom::SnapPrediction.
 struct AxisOutcome : vehicle::TrialOutcome {
-  double largest_imbalance = 0;  ///< [J] of the summed account: what the scheme fed or ate
+  double largest_imbalance = 0;  ///< [J] largest |summed imbalance| (StepAccount::imbalance)
   double largest_strain = 0;     ///< [1] of the arms at any time
   int iterations = 0, factorizations = 0;
 };
 
-/// What a run is resumed from: with the same bits as without the interruption.
+/// State of a run. A run resumed from a kept one has the same bits as without the interruption.
 struct AxisRun {
   MotionState state;
   std::vector<AxisSample> samples;
   AxisOutcome outcome;
-  double calm_since = 0;  ///< [s] since when the travel has been slow
+  double calm_since = 0;  ///< [s] last time at which the travel was not slow or the thrust not final
   bool begun = false;
 };
 
 struct AxisRunHooks {
-  /// After every step. @return false to stop; the run can be resumed
+  /// Called after every step. @return false to stop; the run can be resumed
   std::function<bool(const AxisRun&)> stepped;
-  /// A state worth keeping: what follows depends on it alone. Called every `keep_every` steps.
+  /// Called every `keep_every` steps at a restart point: the next steps depend only on this state.
   std::function<void(const AxisRun&)> keep;
   int keep_every = 200;
 };
 
-/// Runs a trial to its end, or goes on with one that was stopped. Ended: thrust idle, |u'| < .06 m/s for .12 s, and in
-/// F the travel below two thirds of the barrier's, in Q beyond the valley with more than .8 of its force.
-/// @return false if stopped. @throws common::Error if a step fails
+/// Runs a trial to its end, or continues a stopped one. It ends when for 0.12 s after the last change of demand the
+/// thrust is final (within 0.01 of full thrust) and |u'| <= 0.06 m/s, and either the travel is below 0.66 of the
+/// barrier's (F), or it is beyond the valley with more than 0.8 of the valley's force (Q); or after the horizon.
+/// @return false if stopped by a hook. @throws common::Error if a step fails; AccountError if the summed imbalance
+/// exceeds 0.1 of the lower barrier (schemes of second order)
 bool runTrial(const TrialVehicle& vehicle, Stepper& stepper, const AxisTrial& trial, AxisRun& run,
               const AxisRunHooks& hooks = {});
 

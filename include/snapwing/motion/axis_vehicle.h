@@ -1,13 +1,13 @@
 #pragma once
-/// The vehicle along its thrust axis with one soft arm for all that move alike: a rigid ring and a rigid centre, joined
-/// by the arm as a solid, with the arm's share of all masses and forces. Without wings that is one arm. With wings the
-/// arms that carry one are another than the others, and where left and right differ there are two of them. Full
-/// coordinates are the nodes' displacements in space, places and rotations of the wings' bars, then the places of ring
-/// and centre [m], so that every mass is constant.
+/// The vehicle along its thrust axis (y): a rigid ring and a rigid centre, connected by soft arms as solids. One arm
+/// represents all arms that move alike, and masses and forces are scaled to its share. Without wings there is one arm.
+/// With wings, arms with and without a wing are modelled separately; so are left and right if their friction differs.
+/// Full coordinates: nodal displacements in space, displacements and rotations of the wings' bars, then the positions
+/// of ring and centre along the axis [m]. Every mass is constant in them.
 ///
-/// What is in: the arm's own inertia, its large rotation and every mode of it; rotor lag; gravity along the axis; drag
-/// of ring and centre; on a boom its inertia, drag and friction at the tip; the upper stop with restitution; damping of
-/// the travel or of the material; the wings' linkages, whose load turns and bends the arm. leftOut() says what is not.
+/// Included: the arm's inertia, large rotation and all its modes; rotor lag; gravity along the axis; drag of ring and
+/// centre; on a boom its inertia, drag and friction at the tip; the upper stop with restitution; damping of the travel
+/// or of the material; the wings' linkages, which load the arms. leftOut() lists what is neglected.
 
 #include <memory>
 #include <optional>
@@ -28,14 +28,14 @@
 
 namespace snapwing::motion {
 
-/// Where the loss that the file's damping ratio states goes; all give that ratio in Q.
+/// Law of damping; each is scaled to the vehicle file's damping ratio in Q.
 enum class DampingLaw {
-  TRAVEL,              ///< c u' on the travel, none in the material: the lumped model's
-  RAYLEIGH,            ///< the paper's: lagged, with the exact tangent; FEEDS the falling branch
-  RAYLEIGH_PROJECTED,  ///< lagged, with each particle's tangent projected
+  TRAVEL,              ///< c u' on the travel, as in the lumped model
+  RAYLEIGH,            ///< the paper's: lagged, exact tangent; ADDS energy on the branch of negative stiffness
+  RAYLEIGH_PROJECTED,  ///< lagged, each particle's tangent projected
   KELVIN_VOIGT,        ///< beta C : rate of Green's strain
 };
-/// travel, rayleigh, rayleigh_projected or kelvin_voigt. @throws common::Error
+/// @param name  travel, rayleigh, rayleigh_projected or kelvin_voigt. @throws common::Error
 DampingLaw dampingFromName(const std::string& name);
 std::string dampingName(DampingLaw law);
 
@@ -43,58 +43,57 @@ struct AxisSettings {
   int dimension = 2;  ///< 2: plane stress; 3: half the arm's thickness by symmetry
   scene::SceneKernel kernel = scene::SceneKernel::LINEAR;
   double cell_size = 0;                                ///< [m]; 0: that of the arm's density
-  mpm::Coarsening coarsening = mpm::Coarsening::MASS;  ///< what cells that are coarser than the file's keep
-  double least_density = 0.2;  ///< cells below are left out: lighter ones invert in violent trials
+  mpm::Coarsening coarsening = mpm::Coarsening::MASS;  ///< what coarser cells conserve of the density
+  double least_density = 0.2;  ///< [1] cells below are left out: light cells invert in violent trials
   mpm::MassKind mass = mpm::MassKind::CONSISTENT;
   DampingLaw damping = DampingLaw::TRAVEL;
-  bool relaxation = true;         ///< with the memory of the material that the vehicle file states, if any
-  double relaxation_share = 0;    ///< where its shares lie in their half widths, [-1, 1]
-  double relaxation_time = 0;     ///< the same of its times
-  double stop_stiffness = 5e4;    ///< [N/m] of the upper stop; assumption, as the restitution
+  bool relaxation = true;         ///< use material.relaxation of the vehicle file, if given
+  double relaxation_share = 0;    ///< [-1, 1] position of its shares within their half widths
+  double relaxation_time = 0;     ///< [-1, 1] position of its times within their half widths
+  double stop_stiffness = 5e4;    ///< [N/m] of the upper stop; an assumption, as the restitution
   double stop_restitution = 0.5;  ///< [1] in (0, 1]
-  /// [N m] by which a wing's crank is held in the mean rotation of its arm within 4 mm of the axle: an assumption,
-  /// stiff
-  double hub_stiffness = 1000;
-  double hub_radius = 0.004;  ///< [m] of the arm's material about the axle in whose rotation the crank is held
-  bool wings_follow_travel =
-      false;                        ///< true: tied to the static path's rotation at the travel, the lumped model's rule
-  std::optional<double> wing_stop;  ///< [N m] per rad in place of the vehicle's wing.stop; 0: none
-  double friction_left = 1, friction_right = 1;  ///< [1] times the friction of that wing's pins
-  WingForces wing_forces;                        ///< beside the stop at rest, which is `wing_stop`
-  /// As motion in space needs it: axles hold their lines along themselves too, which may slide else, and light cells
-  /// have no linear part (elasticity::DensityInterpolation), which would feel a rotation.
+  double hub_stiffness = 1000;    ///< [N m] coupling of a wing's crank to its arm (HubTerm); assumed, stiff
+  double hub_radius = 0.004;      ///< [m] about the axle: the crank follows the mean rotation of the arm's nodes within
+  bool wings_follow_travel = false;  ///< true: the crank follows the static path's rotation, as in the lumped model
+  std::optional<double> wing_stop;   ///< [N m/rad] instead of the vehicle's wing.stop; 0: none
+  double friction_left = 1, friction_right = 1;  ///< [1] factors of the friction of each wing's pins
+  WingForces wing_forces;                        ///< except rest_stop, which is `wing_stop`
+  /// For motion in space: nodes cannot slide along an axle, and light cells have no linear part
+  /// (elasticity::DensityInterpolation), which would not be invariant to rotations.
   bool in_space = false;
-  bool whole_thickness = false;      ///< a solid without its plane of symmetry, which motion in space has not
-  std::optional<HandSettings> hand;  ///< that holds the ring, with mount HELD; unset: the ring stands still
+  bool whole_thickness = false;      ///< the whole solid instead of half of it by symmetry
+  std::optional<HandSettings> hand;  ///< moves the ring, with mount HELD; unset: the ring stands still
   int threads = 1;
-  std::function<bool()> cancelled;  ///< polled while the static curve is followed; true ends it with an error
+  std::function<bool()> cancelled;  ///< polled while the static curve is traced; true ends it with an error
 };
 
 class AxisVehicle : public TrialVehicle {
  public:
   /// @param parameters  of this vehicle, from vehicle::realise: masses, drag, damping c, force_scale
-  /// @param trial       mount, gravity, push; wings on
-  /// @param wing        table of the wings, needed if they are on. @throws common::Error for wings on a boom, a ring
-  /// that is lighter than its arms and wings, an arm that is not bistable
+  /// @param trial       mount, gravity, push; wings only if on
+  /// @param wing        table of the wings, required if they are on
+  /// @throws common::Error for wings on a boom, a ring side that is lighter than arms and wings, an arm that is not
+  /// bistable, and a relaxation with more loss than the damping ratio
   AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
               const vehicle::Trial& trial, const AxisSettings& settings,
               const std::optional<vehicle::WingTable>& wing = {});
 
   std::shared_ptr<const solver::TermProblem> problem() const override { return problem_; }
-  /// Controls of the problem are the thrust of the whole vehicle [N], then with a hand its acceleration [m/s2].
+  /// Controls: thrust of the whole vehicle [N]; with a hand also its acceleration [m/s2].
   double shareOfVehicle() const override { return share_; }
   const StaticCurve& curve() const override { return *curve_; }
   double lowerBarrier() const override;
   double valleyForce() const override { return curve_->valleyForce() / share_; }
   double armMass() const override { return arm_mass_; }
-  double travelDamping() const { return rest_of_damping_; }          ///< c that is left beside the memory [N s/m]
-  const elasticity::PronySeries& series() const { return series_; }  ///< of the memory; empty: none
-  double materialTime() const { return material_time_; }  ///< [s] of the material's damping law; 0: on the travel
+  /// Damping c of the travel, of the vehicle, without the loss of the relaxation [N s/m].
+  double travelDamping() const { return rest_of_damping_; }
+  const elasticity::PronySeries& series() const { return series_; }  ///< of the relaxation; empty: none
+  double materialTime() const { return material_time_; }  ///< beta [s] of the material's damping law; 0: TRAVEL
 
-  /// The static curve with the arm's inertia as a table of one arm, without provenance: what the lumped model needs to
-  /// be compared with this solid and not with another.
+  /// The static curve with the arm's inertia as a table of one arm, without provenance: input for a lumped model of the
+  /// same solid.
   vehicle::ForceTable staticTable() const override;
-  /// The same of the wings as they are here. @throws common::Error without wings
+  /// Likewise a table of the wings as modelled here. @throws common::Error without wings
   vehicle::WingTable staticWingTable() const;
   const WingLinkage* linkage() const override { return linkage_.get(); }
 
@@ -107,17 +106,17 @@ class AxisVehicle : public TrialVehicle {
   double centreSpeed(const MotionState& s) const { return s.v(centre_); }                   ///< [m/s]
   double travel(const MotionState& s) const { return ringPosition(s) - s.y(centre_); }      ///< u [m]
   double travelRate(const MotionState& s) const { return ringSpeed(s) - centreSpeed(s); }   ///< u' [m/s]
-  /// Rotation of the (left) arm about its axle [rad].
+  /// Rotation of the (left) arm about its axle, relative to the ring [rad].
   double armRotation(const MotionState& s) const;
   /// Rotation of a wing from rest [rad]; NaN without wings.
   double wingAngle(const MotionState& s, bool left) const;
   /// Largest angle between a crank and its arm [rad]; 0 without wings.
   double hubTwist(const MotionState& s) const;
-  /// The motion of all along the axis.
+  /// Translation of the whole vehicle along the axis; empty for a held ring.
   RigidMotions rigidMotions() const override;
   double commonSpeed(const MotionState& s, const Stepper& stepper) const override;
   double relativeKinetic(const MotionState& s, const Stepper& stepper) const override;
-  /// In the ring's frame.
+  /// Deformed arms in the ring's frame.
   std::string vtu(const MotionState& s) const override;
   std::vector<std::string> leftOut() const override;
   int cellCount() const override { return scene_->cellCount(); }
@@ -135,15 +134,15 @@ class AxisVehicle : public TrialVehicle {
   std::vector<solver::Equation> armEquations() const;
   void join(solver::TermProblem::Parts& parts) const;
   solver::HessianLayout layout() const;
-  Eigen::VectorXd armUp() const;  ///< the arm's nodes by 1 along the axis
-  Eigen::VectorXd allUp() const;  ///< all that moves
+  Eigen::VectorXd armUp() const;  ///< unit displacement of the arms' nodes along the axis
+  Eigen::VectorXd allUp() const;  ///< likewise of all bodies
   solver::Row travelRow() const;
   /// @param carried  mass of arms and wings, which is part of the ring's [kg]
   std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p, double carried) const;
   std::shared_ptr<const solver::Term> loads(const vehicle::VehicleParameters& p, double carried,
                                             const Eigen::VectorXd& moved) const;
   std::shared_ptr<const solver::Term> damping(double c);
-  /// c of the travel in Q that the memory makes of it [N s/m] of the vehicle.
+  /// Damping c of the travel in Q that is equivalent to the relaxation [N s/m], of the vehicle.
   double lossOfMemory(const vehicle::VehicleParameters& p) const;
   double restOfDamping(const vehicle::VehicleParameters& p) const;
   std::shared_ptr<const solver::Term> memory() const;
@@ -155,16 +154,16 @@ class AxisVehicle : public TrialVehicle {
   vehicle::Trial trial_;
   AxisSettings settings_;
   double stop_ = 0;
-  elasticity::PronySeries series_;  ///< empty: no memory
-  bool memory_known_ = false;       ///< the vehicle file states one
+  elasticity::PronySeries series_;  ///< empty: no relaxation
+  bool memory_known_ = false;       ///< the vehicle file states a relaxation
   std::unique_ptr<scene::CompiledScene> scene_;
   std::unique_ptr<StaticCurve> curve_;
   double share_ = 1, arm_mass_ = 0, rest_of_damping_ = 0, material_time_ = 0;
   std::optional<HandMotion> hand_;
-  int nodes_ = 0;  ///< coordinates of the arms' nodes
+  int nodes_ = 0;  ///< number of the arms' nodal coordinates
   int ring_ = -1, centre_ = 0;
   int arms_ = 1;
-  std::vector<int> groups_;  ///< how many arms each that is modelled stands for; forces refer to one of the first
+  std::vector<int> groups_;  ///< number of arms that each modelled arm represents; forces refer to one of the first
   std::shared_ptr<const WingLinkage> linkage_;
   WingAssembly wings_;
   std::vector<std::shared_ptr<const HubTerm>> hubs_;

@@ -1,12 +1,13 @@
 #pragma once
-/// The vehicle in space: ring and housing as rigid bodies with six degrees of freedom each, joined by all its soft
-/// arms, placed around them; propellers as follower forces at their places. On a boom ring and boom are one body that
-/// turns about the boom's axis, so that centre, arms and wings feel the centripetal load. World axes: y is the thrust
-/// axis at the start, x the way of the first arm (and of the boom, outwards); origin on that axis at the arms' lower
-/// edge. The first arm carries the left wing, that against it the right one: in the boom's plane, the left one outside.
+/// The vehicle in space: ring and housing as rigid bodies with six degrees of freedom each, connected by all soft arms,
+/// which are arranged around the axis. Propellers are follower forces. On a boom, ring and boom are one body that
+/// rotates about the boom's axis, so that the centripetal load acts on centre, arms and wings. World axes: y is the
+/// thrust axis at the start, x points along the first arm (and outwards along the boom), the origin lies on the thrust
+/// axis at the arms' lower edge. The first arm carries the left wing and the opposite arm the right one; on a boom both
+/// lie in its plane of rotation, the left one outside.
 ///
-/// Full coordinates are the nodes' displacements in the axes of their arms, then c of ring, housing and the wings'
-/// bars, then E of them. kept() and leftOut() say what is in and what is not.
+/// Full coordinates: nodal displacements in the axes of each arm; c of ring, housing and the wings' bars; then their E
+/// (solver/rotation.h). kept() and leftOut() list what is included and what is neglected.
 
 #include <map>
 #include <memory>
@@ -19,21 +20,21 @@
 namespace snapwing::motion {
 
 struct SpaceSettings {
-  std::vector<double> rotor_scale;          ///< [1] times each rotor's thrust; empty: all 1
-  double rotor_angle = 0.7853981633974483;  ///< [rad] of the first rotor from the first arm, the others evenly on
-  double moment_per_thrust = 0;             ///< [m] yaw moment of a propeller; neighbours turn against each other
-  double no_thrust_speed = 0;  ///< [m/s] along the axis at which full thrust is gone (solver::Propeller); 0: it stays
-  double sag = 0;              ///< [1] share of the thrust that the battery lacks where all rotors give the full one
-  double gravity_across = 0;   ///< [m/s2] pull against x, beside the trial's along y
+  std::vector<double> rotor_scale;          ///< [1] 0 .. 2, factor of each rotor's thrust; empty: all 1
+  double rotor_angle = 0.7853981633974483;  ///< [rad] from the first arm to the first rotor; equal spacing
+  double moment_per_thrust = 0;             ///< [m] >= 0, yaw moment of a propeller / thrust; signs alternate
+  double no_thrust_speed = 0;  ///< [m/s] >= 0, axial speed at which full thrust is lost (solver::Propeller); 0: none is
+  double sag = 0;              ///< [1] 0 .. 0.9, thrust lost at full thrust of all rotors by the battery's voltage drop
+  double gravity_across = 0;   ///< [m/s2] gravity against x, in addition to the trial's against y
   /// @throws common::Error naming the member. @param rotors  of the vehicle
   void validate(int rotors) const;
 };
 
 class SpaceVehicle : public TrialVehicle {
  public:
-  /// @param settings  of the arms, as a solid; damping travel or kelvin_voigt, which do not brake a turning vehicle
-  /// @param wing  table of the wings, needed if they are on. @throws common::Error for wings in free flight or tied to
-  /// the travel, planar arms, other laws, a hand
+  /// @param settings  of the arms: dimension 3; damping TRAVEL or KELVIN_VOIGT, which do not damp rigid rotations
+  /// @param wing  table of the wings, required if they are on (an even number of arms, mount BOOM or HELD)
+  /// @throws common::Error for anything else, wings that follow the travel, or a hand
   SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
                const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space,
                const std::optional<vehicle::WingTable>& wing = {});
@@ -46,7 +47,7 @@ class SpaceVehicle : public TrialVehicle {
   vehicle::ForceTable staticTable() const override { return axis_.staticTable(); }
   double armMass() const override { return axis_.armMass(); }
   const WingLinkage* linkage() const override { return linkage_.get(); }
-  /// The symmetric one, of the model along the axis.
+  /// Equilibrium of the model along the axis: symmetric, without wing loads.
   MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const override;
   Eigen::VectorXd controls(double from, double h, double thrust) const override;
   AxisSample sample(const MotionState& s) const override;
@@ -59,29 +60,31 @@ class SpaceVehicle : public TrialVehicle {
   int cellCount() const override { return scene_->cellCount(); }
   const AxisVehicle& axis() const { return axis_; }
 
-  /// Rates of the full coordinates where all move at velocity + turn x (place - origin) [m/s], [rad/s].
+  /// Rates of the full coordinates for the rigid velocity field velocity + turn x position, world axes.
+  /// @param y  full coordinates [m]; @param velocity  of the origin [m/s]; @param turn  [rad/s]. @return [m/s]
   Eigen::VectorXd rigidRates(const Eigen::VectorXd& y, const Eigen::Vector3d& velocity,
                              const Eigen::Vector3d& turn) const;
-  /// Momenta in the world's axes, the angular one about its origin.
+  /// Linear [kg m/s] and angular momentum about the origin [kg m2/s], world axes.
   Eigen::Vector3d linearMomentum(const Stepper& stepper, const MotionState& s) const;
   Eigen::Vector3d angularMomentum(const Stepper& stepper, const MotionState& s) const;
   double mass() const { return mass_; }  ///< of all that moves [kg]
-  /// Of the ring's centre at rest [m]; of its turning [rad/s].
+  /// Position of the ring's centre at rest [m], and angular velocity of the ring [rad/s], world axes.
   const Eigen::Vector3d& ringCentre() const { return ring_centre_; }
   Eigen::Vector3d ringTurning(const MotionState& s) const;
-  Eigen::Vector3d rotorPlace(int rotor) const;  ///< at rest [m]
+  Eigen::Vector3d rotorPlace(int rotor) const;  ///< position of a rotor at rest [m], world axes
 
  private:
   struct RigidBody {
-    int centre_at = 0;  ///< coordinate of c
+    int centre_at = 0;  ///< full coordinate of c
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     solver::Rotation rotation;
   };
-  /// A vector of the full coordinates that turns with all: a node's place, c with its centre, a column of L + E.
+  /// Three full coordinates that rotate with the vehicle as a vector: a node's position, a centre + c, a column of
+  /// L I + E.
   struct Arrow {
-    int first = 0, arm = -1;  ///< in that arm's axes; -1: the world's
-    Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-    bool moves = true;  ///< with the vehicle: places do, columns of E do not
+    int first = 0, arm = -1;                         ///< arm: in whose axes; -1: world axes
+    Eigen::Vector3d rest = Eigen::Vector3d::Zero();  ///< world axes [m]
+    bool moves = true;                               ///< true: a position; false: a column of E, no translation
   };
   void placeBodies(const vehicle::Vehicle& vehicle);
   void addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p, const AxisSettings& settings,
@@ -91,7 +94,7 @@ class SpaceVehicle : public TrialVehicle {
   void findArrows();
   std::vector<solver::Equation> equations() const;
   void join(solver::TermProblem::Parts& parts) const;
-  /// Component of what a part of a body moves by, in the axes of an arm.
+  /// Displacement component of a body's point, in the axes of an arm.
   struct Followed {
     Eigen::Vector3d rest;  ///< in the world [m]
     int arm = 0, axis = 0;
@@ -117,7 +120,7 @@ class SpaceVehicle : public TrialVehicle {
   double max_thrust_ = 0, mass_ = 0, half_ = 0, boom_ = 0, rotor_radius_ = 0, housing_height_ = 0, stop_ = 0;
   double stop_stiffness_ = 0, restitution_ = 0;
   std::unique_ptr<scene::CompiledScene> scene_;
-  std::vector<Eigen::Matrix3d> turned_;  ///< axes of each arm in the world
+  std::vector<Eigen::Matrix3d> turned_;  ///< axes of each arm, in columns, world
   std::vector<Eigen::Vector3d> origin_;
   RigidBody ring_, housing_;
   std::shared_ptr<const WingLinkage> linkage_;
@@ -127,7 +130,7 @@ class SpaceVehicle : public TrialVehicle {
   std::vector<std::shared_ptr<const HubTerm>> hubs_;
   Eigen::Vector3d ring_centre_ = Eigen::Vector3d::Zero();
   std::vector<Arrow> arrows_;
-  solver::SpacePoint hub_, strut_;  ///< the ring's centre; from a point of the housing to one of the ring
+  solver::SpacePoint hub_, strut_;  ///< the ring's centre; vector from a point of the housing to one of the ring
   std::shared_ptr<const solver::TermProblem> problem_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
-/// Steps in time of any sum of terms, with or without constraints that are kept as equations: Newton on each step,
-/// halved where it fails, chosen by a local error if asked for, with an account of energy. Every number is
-/// reproducible: same state, same bits.
+/// Time integration of a TermProblem, with or without kept constraints: Newton on each step, step halving where it
+/// fails, step control by a local error if requested, and an energy balance. Reproducible: equal states give equal
+/// bits.
 
 #include <functional>
 #include <memory>
@@ -15,28 +15,28 @@
 
 namespace snapwing::motion {
 
-/// Motion at one instant; what a run is resumed from.
+/// State of motion at one instant, from which a run can be resumed.
 struct MotionState {
   double time = 0;                                       ///< [s]
-  Eigen::VectorXd z;                                     ///< free coordinates
-  std::shared_ptr<const solver::References> references;  ///< of rotations; null: all 1
-  Eigen::VectorXd y, v;                                  ///< full coordinates [m] and rates [m/s]
-  Eigen::VectorXd multipliers;   ///< of kept constraints, mean of the last step [N]; empty without, or where unknown
-  Eigen::VectorXd acceleration;  ///< mean of the last step [m/s2]; empty at the start and after jumps
-  Eigen::VectorXd mean_rate;     ///< the last step over its time [m/s]; empty at the start and after jumps
-  Eigen::VectorXd mean_rate_change;  ///< how it changed since the step before [m/s2]; empty until there are two
-  double last_step = 0;              ///< [s] that it was
-  double next_step = 0;              ///< [s] that the error asks for; 0: the largest
+  Eigen::VectorXd z;                                     ///< free coordinates, (free x 1) [m]
+  std::shared_ptr<const solver::References> references;  ///< of rotations; null: all I
+  Eigen::VectorXd y, v;                                  ///< full coordinates [m] and rates [m/s], (full x 1)
+  Eigen::VectorXd multipliers;       ///< of kept constraints, mean of the last step [N]; empty without, or if unknown
+  Eigen::VectorXd acceleration;      ///< mean of the last step [m/s2], (full x 1); empty before the first step
+  Eigen::VectorXd mean_rate;         ///< mean rates of the last step [m/s]; empty before the first step
+  Eigen::VectorXd mean_rate_change;  ///< derivative of mean_rate, from the last two steps [m/s2]; empty before that
+  double last_step = 0;              ///< length of the last step [s]
+  double next_step = 0;              ///< proposed length of the next step [s]; 0: the largest
   double kinetic = 0;                ///< [J]
-  double stored = 0;                 ///< [J] that of internal variables included
-  Eigen::VectorXd history;           ///< internal variables of the terms that have some, in the problem's order
+  double stored = 0;                 ///< [J] energy of internal variables included
+  Eigen::VectorXd history;           ///< internal variables of all HistoryTerms, in the problem's order
 };
 
 struct StepperSettings {
-  double largest_step = 1e-3;        ///< [s] > 0
-  double smallest_step = 1e-7;       ///< [s] > 0: below, the motion has failed
-  double error = 0;                  ///< [m] largest local error of a step, mean over the mass; 0: steps are not chosen
-  double relative_tolerance = 1e-8;  ///< of Newton, as in NewtonSettings
+  double largest_step = 1e-3;        ///< [s] (0, 1]
+  double smallest_step = 1e-7;       ///< [s] (0, largest_step]: if it fails, the motion has failed
+  double error = 0;                  ///< [m] >= 0, tolerance of the local error, rms over the mass; 0: no step control
+  double relative_tolerance = 1e-8;  ///< of Newton, as in NewtonSettings; a thousandth of it with CORRECTED_MIDPOINT
   double roundings = 10;             ///< as in NewtonSettings
   int max_iterations = 30;
   solver::Projection projection = solver::Projection::ON_DEMAND;
@@ -45,63 +45,67 @@ struct StepperSettings {
   void validate() const;
 };
 
-/// What a term did in a step.
+/// Work of a term in a step.
 struct TermWork {
   std::string name;
   solver::Term::Role role;
-  double work = 0;  ///< [J] done by loads; lost to dissipation, >= 0
+  double work = 0;  ///< [J] LOAD: work done on the vehicle; DISSIPATION: energy lost
 };
 
+/// Energy balance and cost of a step.
 struct StepAccount {
   double h = 0;        ///< [s]
   double kinetic = 0;  ///< at the end [J]
   double stored = 0;   ///< at the end [J]
   double work = 0;     ///< of loads [J]
   double loss = 0;     ///< to dissipation [J]
-  /// kinetic + stored - what they were - work + loss [J]: what the scheme itself fed or ate
+  /// Change of (kinetic + stored) - work + loss [J]: energy that the scheme itself added (> 0) or removed
   double imbalance = 0;
-  std::vector<TermWork> terms;  ///< loads and dissipation, in the problem's order; those with internal variables last
+  std::vector<TermWork> terms;  ///< loads and dissipation, in the problem's order; HistoryTerms last
   int iterations = 0, factorizations = 0;
-  double error = 0;      ///< [m] local error, mean over the mass
-  double min_det_f = 1;  ///< smallest on the step's path
+  double error = 0;      ///< [m] local error, rms over the mass; 0 without step control
+  double min_det_f = 1;  ///< smallest on the step's path [1]
 };
 
-/// Called where steps begin: the controls for one that goes from `from` to `from + h` (means over it).
+/// Controls of a step from `from` to `from + h` [s], as means over it, (controls x 1).
 using ControlOf = std::function<Eigen::VectorXd(double from, double h)>;
 
-/// Rigid motions of all that moves at full coordinates y, one a column: along them the scheme CORRECTED_MIDPOINT adds
-/// no force.
+/// Rates of the rigid motions of the whole system at full coordinates y, one a column, (full x motions). The scheme
+/// CORRECTED_MIDPOINT adds no force along them.
 using RigidMotions = std::function<Eigen::MatrixXd(const Eigen::VectorXd& y)>;
 
-/// M v of a problem's terms of inertia by coordinate [kg m/s], for rates v [m/s].
+/// M v of a problem's inertia terms [kg m/s], (full x 1). @param v  rates [m/s], (full x 1)
 Eigen::VectorXd momentumOf(const solver::TermProblem& problem, const Eigen::VectorXd& v);
 
 class Stepper {
  public:
-  /// @param problem  with its inertia. @throws common::Error for settings
-  /// @param rigid  for CORRECTED_MIDPOINT, whose controls must be loads: what moves coordinates does work that the
-  /// account does not know. Empty: momenta are not kept by its force
+  /// @param problem  with inertia terms
+  /// @param rigid  for CORRECTED_MIDPOINT. Empty: its force does not conserve momenta. Controls must be loads with this
+  /// scheme: the energy balance does not contain the work of prescribed displacements
+  /// @throws common::Error for settings out of range, or a problem without mass
   Stepper(std::shared_ptr<const solver::TermProblem> problem, const Scheme& scheme, const StepperSettings& settings,
           RigidMotions rigid = {});
   ~Stepper();
 
-  /// At rest, or moving with `rate`, at free coordinates. @param rate  full [m/s]; empty: at rest
-  /// @param references  of rotations; null: all 1
+  /// Initial state at free coordinates z [m] and controls p.
+  /// @param rate  of the full coordinates [m/s]; empty: at rest
+  /// @param references  of rotations; null: all I. @throws common::Error for another number of rates
   MotionState start(const Eigen::VectorXd& z, const Eigen::VectorXd& p, const Eigen::VectorXd& rate = {},
                     std::shared_ptr<const solver::References> references = nullptr) const;
-  /// One step, not beyond `until`; a step that fails is halved. A step whose error is too large is thrown away and done
-  /// again. @throws common::Error saying when, where and why, if the smallest step fails; the state is then what it was
+  /// One step, not beyond `until` [s]. A step that fails, or whose error is too large, is repeated with half its
+  /// length.
+  /// @throws common::Error with time and reasons if the smallest step fails; the state is then unchanged
   StepAccount step(MotionState& state, double until, const ControlOf& control);
 
-  /// Kinetic energy [J] and momenta by coordinate M v [kg m/s].
+  /// Kinetic energy [J] and generalised momenta M v [kg m/s] at rates v [m/s].
   double kineticEnergy(const Eigen::VectorXd& v) const;
   Eigen::VectorXd momentum(const Eigen::VectorXd& v) const { return momentumOf(*problem_, v); }
-  double storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;  ///< [J]
-  /// Forgets the factor and how earlier steps went: what follows depends on the state alone, as in a resumed run.
+  double storedEnergy(const Eigen::VectorXd& y, const Eigen::VectorXd& p) const;  ///< of the terms [J]; no HistoryTerms
+  /// Discards the factor and the history of the solver: the next step depends only on the state, as in a resumed run.
   void restart() { solver_->restart(); }
   const solver::TermProblem& problem() const { return *problem_; }
   const Scheme& scheme() const { return scheme_; }
-  double secondsAssembly() const { return solver_->secondsAssembly(); }         ///< of the CPU so far [s]
+  double secondsAssembly() const { return solver_->secondsAssembly(); }         ///< wall time so far [s]
   double secondsFactor() const { return solver_->cholesky().secondsFactor(); }  ///< [s]
   double secondsSolve() const { return solver_->cholesky().secondsSolve(); }    ///< [s]
   int totalIterations() const { return iterations_; }
@@ -113,10 +117,10 @@ class Stepper {
   bool solve(const MotionState& from, const solver::StepContext& context, Trial& out);
   static Eigen::VectorXd guessOf(const MotionState& from, double h);
   void account(const MotionState& from, Trial& out);
-  /// Solves the step again until its account closes. @return false: no bounded force does it
+  /// Repeats the solve of the step until its energy balance closes. @return false: no bounded force closes it
   bool correct(const MotionState& from, Trial& out);
   Eigen::VectorXd withoutRigidPart(const Eigen::VectorXd& y, const Eigen::VectorXd& d) const;
-  /// Internal variables at the end of a step, with their energy and loss.
+  /// Updates the internal variables at the end of a step, and adds their energy and loss.
   void passHistory(Trial& out);
   double heldBy(const Eigen::VectorXd& history) const;  ///< [J]
   double meanOverMass(const Eigen::VectorXd& shift) const;
@@ -130,7 +134,7 @@ class Stepper {
   struct WithHistory {
     std::size_t term;  ///< of the problem
     const solver::HistoryTerm* history;
-    Eigen::Index first;  ///< of its variables
+    Eigen::Index first;  ///< index of its first variable
   };
   std::vector<WithHistory> with_history_;
   Eigen::Index history_count_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// A trial as a YAML file states it: which vehicle, what surrounds it, the pulse, and how finely it is computed. SI.
+/// Contents of a trial's YAML file: the vehicle, its surroundings, the pulse, fidelity and time integration. SI units.
 /// Schema: docs/motion.md.
 
 #include <string>
@@ -14,24 +14,25 @@ namespace snapwing::motion {
 
 enum class TrialRung {
   LUMPED,      ///< tables (rom)
-  PLANAR,      ///< one arm in plane stress
-  VOLUMETRIC,  ///< one arm as a solid, half of it by symmetry
+  PLANAR,      ///< arms in plane stress
+  VOLUMETRIC,  ///< arms as solids, half of the thickness by symmetry where motion is along the axis
 };
+/// lumped, planar or volumetric.
 std::string rungName(TrialRung rung);
 
-/// Stick or steady thrust, for a time.
+/// Stick or steady thrust for a duration.
 struct TrialLevel {
-  double throttle = 0;  ///< stick [0, 1]; negative: `thrust` is given
+  double throttle = 0;  ///< stick [0, 1]; negative: `thrust` is used
   double thrust = 0;    ///< steady thrust / full thrust [0, 1]
   double duration = 0;  ///< [s]
 };
 
-/// What differs between the repeats of a trial; each is drawn evenly.
+/// Variation between the repeats of a trial; uniform distributions.
 struct TrialVariation {
   int seed = 0;
-  double strength = 0;   ///< [1] half width of each level's throttle or thrust, as a share of it
+  double strength = 0;   ///< [1] half width of each level's throttle or thrust, relative to it
   double duration = 0;   ///< [s] half width of each level's duration
-  bool vehicle = false;  ///< draw a vehicle from the uncertainty box, too
+  bool vehicle = false;  ///< also draw a vehicle from the box of uncertainty
 };
 
 struct TrialFile {
@@ -41,26 +42,26 @@ struct TrialFile {
   std::string mount;
   vehicle::Mode start = vehicle::Mode::FIXED_WING;
   TrialLevel pulse;
-  std::vector<TrialLevel> then;  ///< right behind the pulse, one after the other
+  std::vector<TrialLevel> then;  ///< further levels, directly after the pulse, in order
   std::vector<double> box;       ///< coordinates in [-1, 1] of vehicle::uncertainNames(); empty: nominal
   SchemeKind scheme = SchemeKind::MIDPOINT;
-  int points = 2;   ///< of the average force
-  double bias = 0;  ///< of the midpoint
+  int points = 2;   ///< Gauss points of AVERAGE_FORCE, 1 .. 4
+  double bias = 0;  ///< of MIDPOINT, [0, 0.5] (Scheme)
   StepperSettings steps;
   AxisSettings axis;
-  bool six = false;  ///< degrees of freedom; else along the thrust axis
+  bool six = false;  ///< six degrees of freedom; false: along the thrust axis
   SpaceSettings space;
   int repeats = 1;
   TrialVariation vary;
 };
 
-/// One of a trial's repeats, by seed and index alone. @param index  0 .. repeats - 1
+/// One repeat of a trial; depends on seed and index only. @param index  0 .. repeats - 1. @throws common::Error outside
 TrialFile repeatOf(const TrialFile& file, int index);
-/// A vehicle of the box by its seed: coordinates in [-1, 1] of vehicle::uncertainNames(), then of the material's
-/// memory.
+/// Draws a vehicle from the box: coordinates in [-1, 1] of vehicle::uncertainNames(), then relaxation_share and
+/// relaxation_time of the material. Equal seeds give equal vehicles.
 void drawVehicle(int seed, TrialFile& out);
 
-/// @throws common::FileError, common::SettingError naming key, value and range
+/// Reads a trial file. @throws common::FileError; common::SettingError naming key, value and range
 TrialFile loadTrial(const std::string& path);
 
 }  // namespace snapwing::motion

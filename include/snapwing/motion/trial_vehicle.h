@@ -1,5 +1,5 @@
 #pragma once
-/// What a trial needs to know of a vehicle in time, however many degrees of freedom it has.
+/// Interface between a trial and a model of the vehicle's motion, along the axis or in six degrees of freedom.
 
 #include <cmath>
 #include <limits>
@@ -15,28 +15,28 @@
 
 namespace snapwing::motion {
 
-/// One row a step; all of the whole vehicle.
+/// Record of one step; energies of the whole vehicle.
 struct AxisSample {
   double time = 0;                                             ///< [s]
-  double ring_position = 0, ring_speed = 0, centre_speed = 0;  ///< [m], [m/s]
+  double ring_position = 0, ring_speed = 0, centre_speed = 0;  ///< along the thrust axis [m], [m/s]
   double travel = 0, travel_rate = 0;                          ///< [m], [m/s]
-  double arm_rotation = 0;                                     ///< [rad]
-  /// Rotations of the wings from rest [rad], and the largest angle between a crank and its arm; NaN without wings.
+  double arm_rotation = 0;                                     ///< of the left arm about its axle [rad]
+  /// Rotations of the wings from rest, and the largest angle between a crank and its arm [rad]; NaN without wings.
   double wing_left = std::numeric_limits<double>::quiet_NaN(), wing_right = wing_left, hub_twist = wing_left;
-  /// In six degrees of freedom, else NaN: angle of the thrust axis to that of the start and of the housing to the ring
-  /// [rad], how far the ring has drifted across that axis [m], rate of its turning [rad/s], how far the centre is off
-  /// the ring's axis [m].
+  /// In six degrees of freedom, else NaN: angle of the thrust axis to that at the start, and rotation of the housing
+  /// relative to the ring [rad]; displacement of the ring across the axis of the start [m]; angular speed of the ring
+  /// [rad/s]; distance of the centre from the ring's axis [m].
   double tilt = wing_left, housing_tilt = wing_left, drift = wing_left, turn_rate = wing_left, centre_off = wing_left;
   double thrust = 0;                                                  ///< [N]
   double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
-  double relative_kinetic = wing_left;  ///< [J] less that of the common speed: of the travel; NaN in six degrees
-  double strain = 0;                    ///< [1] largest principal one of the arms (mpm::Discretisation::largestStrain)
-  double step = 0;                      ///< [s]
-  double min_det_f = 1;
+  double relative_kinetic = wing_left;  ///< [J] TrialVehicle::relativeKinetic; NaN in six degrees of freedom
+  double strain = 0;                    ///< [1] of the arms (mpm::Discretisation::largestStrain)
+  double step = 0;                      ///< length of the step [s]
+  double min_det_f = 1;                 ///< smallest over the particles [1]
   int iterations = 0;
 };
 
-/// The place nearest to `before` of those that differ by whole turns from `now`; a turn of 0 is none.
+/// `now` plus the multiple of `turn` that brings it nearest to `before`; `now` if `turn` is 0. [m]
 inline double onward(double before, double now, double turn) {
   return turn > 0 ? now + turn * std::round((before - now) / turn) : now;
 }
@@ -47,9 +47,9 @@ class TrialVehicle {
   virtual std::shared_ptr<const solver::TermProblem> problem() const = 0;
   /// Energies of the problem / those of the vehicle [1].
   virtual double shareOfVehicle() const = 0;
-  /// Of the arms along the thrust axis; forces of the problem that it was traced on.
+  /// Static curve of the arms along the thrust axis; its forces are those of the traced scene.
   virtual const StaticCurve& curve() const = 0;
-  /// Of the unloaded vehicle: the lower of both barriers [J], the force in the valley [N].
+  /// Of the unloaded vehicle: the lower one of both barriers [J], the force in the valley [N].
   virtual double lowerBarrier() const = 0;
   virtual double valleyForce() const = 0;
   /// The curve with the arm's inertia as a table of one arm, without provenance.
@@ -57,26 +57,27 @@ class TrialVehicle {
   virtual double armMass() const = 0;                             ///< of all arms [kg]
   virtual const WingLinkage* linkage() const { return nullptr; }  ///< null without wings
 
-  /// At rest in the equilibrium of a mode under the trial's loads before the pulse, moving with its initial speed.
-  /// @param thrust  [N] of the vehicle; @param held  false if the mode is no equilibrium under these loads
+  /// State in the equilibrium of a mode under the trial's loads before the pulse, moving with its initial speed.
+  /// @param thrust  [N] of the vehicle; @param held  out: false if the mode is no equilibrium under these loads
+  /// @throws common::Error for an unknown mode, or if a step of the search fails
   virtual MotionState start(vehicle::Mode mode, double thrust, bool* held = nullptr) const = 0;
-  /// Controls of the problem in a step. @param thrust  mean of the vehicle over it [N]
+  /// Controls of the problem in a step from `from` to `from + h` [s]. @param thrust  mean of the vehicle over it [N]
   virtual Eigen::VectorXd controls(double from, double h, double thrust) const = 0;
-  /// All of a row that the state tells; energies of the whole vehicle.
+  /// Record of a state, without the members that belong to a step.
   virtual AxisSample sample(const MotionState& s) const = 0;
-  /// [m] by which a sample's ring_position may be off, any number of times: what a boom's end goes in a turn; 0: exact
+  /// [m] A sample's ring_position is known up to multiples of this: circumference of a boom's path; 0: unique.
   virtual double turnLength() const { return 0; }
-  /// What the scheme CORRECTED_MIDPOINT must leave alone.
+  /// Rigid motions for the scheme CORRECTED_MIDPOINT (Stepper).
   virtual RigidMotions rigidMotions() const = 0;
-  /// Momentum along the axis / mass of all that moves [m/s].
+  /// Momentum along the thrust axis / mass of all moving parts [m/s].
   virtual double commonSpeed(const MotionState& s, const Stepper& stepper) const = 0;
-  /// Kinetic energy of the vehicle in the frame of that speed, or of the held ring [J]; NaN: not told.
+  /// Kinetic energy of the vehicle in the frame of that speed, or of the held ring [J]; NaN: not available.
   virtual double relativeKinetic(const MotionState& /*s*/, const Stepper& /*stepper*/) const {
     return std::numeric_limits<double>::quiet_NaN();
   }
   /// Deformed cells as VTU text.
   virtual std::string vtu(const MotionState& s) const = 0;
-  /// What this rung keeps beyond the simplest one, and what it leaves out of the trial, one sentence each.
+  /// Effects that this model includes beyond the one along the axis, and effects that it neglects, one phrase each.
   virtual std::vector<std::string> kept() const { return {}; }
   virtual std::vector<std::string> leftOut() const = 0;
   int freeCount() const { return problem()->freeCount(); }

@@ -1,7 +1,7 @@
 #pragma once
-/// The wings' linkages in a vehicle, each in the plane of its arm and in that arm's axes: full coordinates
-/// (displacement of the axle's point and rotation of each bar), the pins as equations, and the terms that they add. A
-/// closed chain keeps its last pin as an equation.
+/// The wings' linkages in a vehicle, each in the plane and axes of its arm. Three bodies each (crank, wing, rocker)
+/// with full coordinates: displacement of the point at the axle, and rotation. Pins are linear equations; those that
+/// close the chain are kept as constraints.
 
 #include <functional>
 #include <memory>
@@ -18,61 +18,68 @@
 
 namespace snapwing::motion {
 
-/// What acts on a wing beside its pins and bars; 0: not there. All are assumptions of a trial.
+/// Further forces on a wing, assumptions of a trial; 0: none.
 struct WingForces {
-  double rest_stop = 0;  ///< [N m] per rad below 0: keeps the wing from turning back past rest, as taut film does
-  double fold_bias = 0;  ///< [N m] steady moment towards folded: the central fold of the surface, sewn to bias it
-  /// [N m] per rad: keeps the crank from turning further than its wing was designed for (the end of the wing's table).
-  double fold_stop = 0;
-  double air = 0;  ///< [N m s2] moment of still air against the wing's turning / rate squared
+  double rest_stop = 0;  ///< [N m/rad] stiffness of the stop at rest, where the taut film limits the rotation
+  double fold_bias = 0;  ///< [N m] constant moment towards folded, of the sewn central fold of the surface
+  double fold_stop = 0;  ///< [N m/rad] stiffness of a stop of the crank at the end of the wing's table
+  double air = 0;        ///< [N m s2] moment of still air / square of the wing's rate of rotation
 };
 
 class WingAssembly {
  public:
   struct Wing {
     bool left = true;
-    double weight = 1;    ///< how many wings it stands for, in the problem [1] > 0
-    double friction = 1;  ///< times the layout's friction at its pins [1] >= 0
-    /// How the ring turns in this wing's plane; none: it does not.
+    double weight = 1;    ///< number of wings that it represents, times the problem's share of the vehicle [1] > 0
+    double friction = 1;  ///< factor of the layout's friction at its pins [1] >= 0
+    /// Rotation of the ring in this wing's plane; none: the ring does not rotate.
     std::optional<Turning> ring = {};
   };
-  /// Displacement along an axis (0: x, 1: y) of a wing's plane of a point that the ring carries, by full coordinates.
-  /// @param at  in the linkage's frame at rest [m]
+  /// Displacement of a point of the ring along an axis (0: x, 1: y) of a wing's plane: (full coordinate, coefficient).
+  /// @param at  position at rest in the linkage's frame [m]
   using OnRing = std::function<std::vector<std::pair<int, double>>(int wing, const Eigen::Vector2d& at, int axis)>;
   WingAssembly() = default;
-  /// @param first  full coordinate of the first displacement; @param first_entry  of the first rotation, -1: right
-  /// behind
+  /// @param dimension  2 or 3; @param first  full coordinate of the first displacement
+  /// @param first_entry  full coordinate of the first rotation's first entry; -1: directly after the displacements
   WingAssembly(std::shared_ptr<const WingLinkage> linkage, std::vector<Wing> wings, int dimension, int first,
                int first_entry = -1);
 
   int wingCount() const { return static_cast<int>(wings_.size()); }
   int count() const { return bodies() * (dimension_ + dimension_ * dimension_); }  ///< of full coordinates
-  int firstEntry() const { return first_entry_; }                                  ///< of the first rotation
+  int firstEntry() const { return first_entry_; }                                  ///< full coordinate, first rotation
   int rotationCount() const { return bodies(); }
+  /// Rotations of all bodies about z, crank, wing and rocker of each wing in turn.
   std::vector<solver::Rotation> rotations() const;
+  /// Equations of all pins.
   std::vector<solver::Equation> equations(const OnRing& on_ring) const;
-  /// What the elimination kept of the closed chains. @param share  of the vehicle that the problem is; null: nothing
+  /// Constraints of the closed chains that elimination kept; null if there are none.
+  /// @param share  of the vehicle that the problem represents [1]
   static std::shared_ptr<const solver::Constraints> chains(const solver::LinearRows& kept, double share);
+  /// Inertia terms of all bodies.
   std::vector<std::shared_ptr<const solver::Term>> inertia() const;
-  /// Friction at the pins, each its own, and stored energy, if the bars have any.
+  /// Friction terms, one per pin, and the bars' stored energy if they have any.
   std::vector<std::shared_ptr<const solver::Term>> pins() const;
+  /// Terms of the forces that are not 0.
   std::vector<std::shared_ptr<const solver::Term>> forces(int wing, const WingForces& of) const;
-  /// Joins the crank of a wing with its arm. @param rotation_at_rest  gradient of the arm's rotation by the coordinates
+  /// Couples the crank of a wing to its arm. @param rotation_at_rest  gradient of the arm's rotation with respect to
+  /// the nodal displacements [1/m], (dofs x 1); @param stiffness  of one wing [N m]
   std::shared_ptr<const HubTerm> hub(int wing, const Eigen::VectorXd& rotation_at_rest, double stiffness) const;
-  /// Constrains the crank to the travel instead. @param curve  arm's rotation by the travel
+  /// Couples the crank to the travel instead. @param travel  row of u; @param curve  arm's rotation [rad] of u [m]
+  /// @param stiffness  of one wing [N m]
   std::shared_ptr<const solver::Term> travelHub(int wing, const solver::Row& travel, const SmoothCurve& curve,
                                                 double stiffness) const;
-  /// In words, one sentence each.
+  /// Effects that the model neglects, one phrase each.
   std::vector<std::string> leftOut(const WingForces& of) const;
-  double mass() const;  ///< of all wings with their weight [kg]
-  /// 1 at the displacements along the axis.
+  double mass() const;  ///< sum of weight times mass of a wing [kg]
+  /// Sets the displacements along the thrust axis (y) in a vector of full coordinates to 1.
   void markUp(Eigen::VectorXd& up) const;
-  /// L times the angle of each rotation where every arm has turned by `crank` [m].
+  /// L times the angle of each rotation [m] at a rotation `crank` of every arm [rad]. @throws common::Error
+  /// (WingLinkage::at)
   Eigen::VectorXd turned(double crank) const;
-  /// Rotation of a wing from rest by the ring [rad]. @param expected  near which it is looked for
+  /// Rotation of a wing from rest, relative to the ring [rad]. @param expected  [rad] within half a turn of the result
   double wingAngle(const Eigen::VectorXd& y, int wing, double expected) const;
   Turning turning(int wing, WingLinkage::Body body) const;
-  /// Full coordinate of the displacement of a body's point at the axle.
+  /// Full coordinate of the x displacement of a body's point at the axle.
   int place(int wing, int body) const { return first_ + dimension_ * (3 * wing + body); }
 
  private:
