@@ -1,5 +1,5 @@
 #pragma once
-/// Symmetric sparse matrix of D x D blocks with a fixed pattern: block columns, lower triangle, diagonal blocks whole.
+/// Symmetric sparse matrix of D x D blocks with a fixed pattern: block columns, lower triangle, diagonal blocks full.
 
 #include <Eigen/Core>
 #include <vector>
@@ -10,8 +10,8 @@ template <int D>
 class BlockPattern {
  public:
   BlockPattern() = default;
-  /// @param nodes     block rows
-  /// @param stencils  node numbers of each cell, `stencil` of them in a row
+  /// @param nodes     number of block rows
+  /// @param stencils  node numbers of all cells, `stencil` per cell
   BlockPattern(int nodes, const std::vector<int>& stencils, int stencil);
 
   int nodes() const { return static_cast<int>(start_.size()) - 1; }
@@ -21,7 +21,7 @@ class BlockPattern {
   const std::vector<int>& start() const { return start_; }  ///< first block of each column
   const std::vector<int>& row() const { return row_; }      ///< row of each block, ascending in a column
 
-  /// y = A x for block values (D*D each, by columns).
+  /// y = A x. @param values  of the blocks, D*D each by columns; @param x  (D nodes x 1)
   Eigen::VectorXd multiply(const std::vector<double>& values, const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// What cells that are coarser than a density's own keep of those in them.
+/// Which mean of a density field coarser cells conserve.
 
 #include <string>
 
@@ -12,7 +12,7 @@ enum class Coarsening {
 /// mass or stiffness. @throws common::Error
 Coarsening coarseningFromName(const std::string& name);
 std::string coarseningName(Coarsening coarsening);
-/// The power for DensityField::resampled.
+/// The power for DensityField::resampled [1].
 double coarseningPower(Coarsening coarsening);
 
 }  // namespace snapwing::mpm

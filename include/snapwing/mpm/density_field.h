@@ -1,5 +1,5 @@
 #pragma once
-/// Density on a regular planar grid, as an arm design is stored and exchanged.
+/// Density on a regular planar grid: the form in which an arm design is stored and exchanged.
 
 #include <array>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace snapwing::mpm {
 
-/// Cells outside of the design domain are absent (negative).
+/// Cells outside the design domain are absent (negative density).
 struct DensityField {
   double cell_size = 0;        ///< [m]
   std::array<int, 2> cells{};  ///< along x, y; lower corner at the origin
@@ -17,26 +17,27 @@ struct DensityField {
   double at(int i, int j) const { return value[static_cast<std::size_t>(j) * cells[0] + i]; }
   bool present(int i, int j) const { return i >= 0 && j >= 0 && i < cells[0] && j < cells[1] && at(i, j) >= 0; }
 
-  /// The same field on cells of another size that divides the extent: area average, in which absent cells are void, so
-  /// that the mass stays. A new cell exists where an old one lies. @throws common::Error if the size does not divide
-  /// @param power  1: the density is averaged, which keeps the mass; p: its p-th power, which keeps the stiffness rho^p
-  /// of a body whose cut cells have that of their covered share, without slivers of less than .05: what its coarser
-  /// cells converge with
+  /// The field on cells of another size [m], by area averages in which absent cells are void. A new cell exists where
+  /// it overlaps an old one.
+  /// @param power  [1] 1: averages rho, which conserves the mass. p > 1: averages rho^p, which conserves the stiffness;
+  /// new cells with a mean of rho^p below 0.05 (slivers) are absent
+  /// @throws common::Error if the size does not divide the extent
   DensityField resampled(double new_cell_size, double power = 1) const;
 };
 
-/// A field without cells on a domain that square cells fill. @param path  for messages
-/// @throws common::FileError if the cells are not square there, or too many
+/// A field with all cells absent on a domain of length x height [m].
+/// @param path  for messages; @param columns, rows  cells along x and y
+/// @throws common::FileError if the cells are not square, or too many
 DensityField emptyDensity(const std::string& path, std::size_t columns, std::size_t rows, double length, double height);
 
 /// Reads lines "i,j,rho" under that header (comments start with #); cells that are not listed are empty.
 /// @param length  extent of the domain along x [m], height along y: cells must be square and fill it
-/// @param cells   of the domain along x and y; {0, 0}: told by the largest i and j, if cells with i = 0 and j = 0 are
-/// there
-/// @throws common::FileError naming the line
+/// @param cells   of the domain along x and y; {0, 0}: from the largest i and j, which requires listed cells with i = 0
+/// and with j = 0
+/// @throws common::FileError naming the line, or what is wrong with the whole
 DensityField loadDensityCsv(const std::string& path, double length, double height, std::array<int, 2> cells = {0, 0});
 
-/// Closed loops of the level set rho = level (linear between cell centres, void outside), in metres.
+/// Closed loops of the level set rho = level, linear between cell centres, void outside. [m]
 std::vector<std::vector<std::array<double, 2>>> outline(const DensityField& field, double level);
 
 }  // namespace snapwing::mpm

@@ -1,10 +1,11 @@
 #pragma once
-/// Bodies on background grids as one vector of nodal displacements: elastic energy, its gradient and its Hessian.
+/// Solids on background grids: elastic energy, gradient and Hessian as functions of all nodal displacements.
 ///
 ///   E(u) = sum_cells m_c sum_particles w_p W(F_p, rho_c),   F_p = I + sum_a u_a (grad N_a)^T
 ///
-/// Discretisation is constant after setup and may be shared by threads; Assembly is the mutable part. Sums run in a
-/// fixed order (cells of one colour share no node), so results have the same bits for any number of threads.
+/// m_c: Cell::measure, w_p: QuadratureRule::weight. A Discretisation is constant after finish(), except setDensities(),
+/// and may be shared by threads; Assembly is the mutable part. Sums run in a fixed order (cells of one colour share no
+/// node), so that results have the same bits for any number of threads.
 
 #include <limits>
 #include <memory>
@@ -17,28 +18,28 @@
 
 namespace snapwing::mpm {
 
-/// One integral over a cell: particles and the law (or part of a law) that they carry.
+/// One integral over a cell: a quadrature rule and the law (or part of a law) at its particles.
 struct Term {
-  int rule = 0;
-  int model = 0;
+  int rule = 0;   ///< of addRule()
+  int model = 0;  ///< of addModel()
 };
 
 struct Cell {
-  int kind = 0;        ///< which list of terms
+  int kind = 0;        ///< list of terms, of addKind()
   double density = 1;  ///< rho in [0, 1]
   double measure = 0;  ///< h^D, times the thickness if planar [m3]
 };
 
-/// Values of one evaluation. Energy and gradient and blocks are only valid as far as the order asked for.
+/// Result of one evaluation. Gradient and blocks are valid only if the order includes them.
 struct Assembly {
   double energy = 0;           ///< [J]
-  Eigen::VectorXd gradient;    ///< dE/du [N], D per node
+  Eigen::VectorXd gradient;    ///< dE/du [N], (dofCount x 1)
   std::vector<double> blocks;  ///< d2E/du2 [N/m] in the order of the pattern
-  bool add_blocks = false;     ///< the blocks are added to what is there; more may stand behind them
+  bool add_blocks = false;     ///< adds the blocks to the existing values; the vector may be longer
   double force_scale = 0;      ///< [N] 2-norm of the cells' nodal forces before they cancel
-  double min_det_f = std::numeric_limits<double>::infinity();  ///< over all particles
-  int min_det_f_cell = -1;
-  bool finite = false;  ///< false: det F <= 0 at some particle, or NaN
+  double min_det_f = std::numeric_limits<double>::infinity();  ///< smallest over all particles [1]
+  int min_det_f_cell = -1;                                     ///< its cell
+  bool finite = false;                                         ///< false: det F <= 0 at some particle, or NaN
 };
 
 template <int D>
@@ -46,14 +47,17 @@ class Discretisation {
  public:
   using Model = elasticity::ConstitutiveModel<D>;
 
+  /// Setup. Each returns the number of the added object.
   int addModel(std::shared_ptr<const Model> model);
+  /// @throws common::Error for another kernel than that of earlier rules
   int addRule(QuadratureRule<D> rule);
   int addKind(std::vector<Term> terms);
-  /// Starts a body on its own grid. Nodes are numbered as cells need them: nothing is stored for empty space.
+  /// Starts a body on its own grid. Only nodes of cells are stored, not those of empty space.
+  /// @throws common::Error for a grid without cells
   int addBody(const Grid<D>& grid);
-  /// Adds a cell of the last body; the order of cells in a body is free. @return cell number
+  /// Adds a cell of the last body, in any order. @param at  index in the body's grid
   int addCell(const Index<D>& at, const Cell& cell);
-  /// Builds pattern and colours; nothing may be added afterwards.
+  /// Builds pattern and colours; nothing may be added afterwards. @throws common::Error if there is no cell
   void finish();
 
   int nodeCount() const { return static_cast<int>(position_.size()); }
@@ -73,30 +77,30 @@ class Discretisation {
   const Vector<D>& position(int node) const { return position_[node]; }
   int nodeBody(int node) const { return node_body_[node]; }
   const BlockPattern<D>& pattern() const { return pattern_; }
-  /// New densities, one per cell, in [0, 1]. @throws common::Error
+  /// Sets the densities, one per cell, in [0, 1]. @throws common::Error for a wrong count or value
   void setDensities(const std::vector<double>& densities);
 
-  /// Weights (node, weight) of the displacement at a point of a body; empty if no cell holds it.
+  /// Interpolation of the displacement at a point [m] of a body: (node, weight [1]); empty if no cell contains it.
   std::vector<std::pair<int, double>> interpolate(int body, const Vector<D>& point) const;
-  /// Displacement [m] at a point [m] of a body.
+  /// Displacement [m] at a point [m] of a body; zero if no cell contains it.
   Vector<D> displacementAt(int body, const Vector<D>& point, const Eigen::VectorXd& u) const;
-  /// Node of a body at a number of its grid, or -1 where no cell needs it.
+  /// Node at a node number of the body's grid, or -1 if no cell has it.
   int findNode(int body, int grid_node) const { return node_of_grid_[body][grid_node]; }
   /// Cell of a body at a grid index, or -1.
   int findCell(int body, const Index<D>& at) const;
 
-  /// @param u        nodal displacements [m], (dofCount x 1), x0 y0 (z0) x1 ...
+  /// Evaluates energy, gradient and Hessian.
+  /// @param u        nodal displacements [m], at least (dofCount x 1), x0 y0 (z0) x1 ...
   /// @param threads  >= 1
   void assemble(const Eigen::VectorXd& u, elasticity::Order order, int threads, Assembly& out) const;
 
-  /// sum over particles of m w (d2E/(drho_c du) . v): derivative by each cell's density of dE/du . v, and of E itself
-  /// if v is empty. (cellCount x 1), [N m] for v in m.
+  /// Derivative of dE/du . v with respect to each cell's density, or of E if v is empty. (cellCount x 1) [J]
+  /// @param u, v  [m], (dofCount x 1)
   Eigen::VectorXd densityDerivative(const Eigen::VectorXd& u, const Eigen::VectorXd& v) const;
 
-  /// Deformation gradient at the centre of a cell.
+  /// Deformation gradient at the centre of a cell [1].
   elasticity::Matrix<D> deformationGradient(int cell, const Eigen::VectorXd& u) const;
-  /// Largest of sqrt(rho) (s - 1) over the cells, s the largest principal stretch at a cell's centre and rho its
-  /// density, so that what is nearly empty does not count: the strain that the arm's design limits. Never negative.
+  /// Largest weightedStrain (strain.h) over the cells [1], with the largest principal stretch at each cell's centre.
   double largestStrain(const Eigen::VectorXd& u) const;
 
  private:

@@ -1,11 +1,11 @@
 #pragma once
 /// Regular background grid, kernels on it and quadrature rules within a cell.
 ///
-/// A cell (i, j, k) covers origin + h (i..i+1, ...). Both kernels give every cell a fixed block of nodes, so that one
-/// table of weights and gradients serves all cells with the same particles:
+/// A cell (i, j, k) covers origin + h (i..i+1, ...). With both kernels every cell has a fixed block of nodes, so that
+/// all cells with the same particles share one table of weights and gradients:
 ///   LINEAR     nodes at the cells' corners, 2 per axis
 ///   QUADRATIC  B-spline with knots on the cells' faces, nodes at the cells' centres and one ring outside, 3 per axis
-/// In a total Lagrangian formulation particles stay in their cells: they are quadrature points.
+/// The formulation is total Lagrangian: particles stay in their cells and are quadrature points.
 
 #include <Eigen/Core>
 #include <array>
@@ -18,10 +18,10 @@ enum class Kernel { LINEAR, QUADRATIC };
 /// Nodes per axis that a cell's field depends on.
 inline int nodesPerAxis(Kernel kernel) { return kernel == Kernel::LINEAR ? 2 : 3; }
 
-/// Row length of a cell's tables: whole vectors of four.
+/// Row length of a cell's tables: the stencil rounded up to a multiple of four.
 constexpr int paddedStencil(int stencil) { return (stencil + 3) / 4 * 4; }
 
-/// Values of a cell's basis functions along one axis, and derivatives by the cell coordinate.
+/// Values of a cell's basis functions along one axis, and derivatives with respect to the cell coordinate [1].
 /// @param x  cell coordinate in [0, 1]
 void axisKernel(Kernel kernel, double x, std::array<double, 3>& value, std::array<double, 3>& slope);
 
@@ -46,19 +46,19 @@ struct Grid {
   /// Rest position of a node [m]; u_i = A X_i + b reproduces linear fields with either kernel.
   Vector<D> nodePosition(int number) const;
   Vector<D> cellCentre(const Index<D>& cell) const;  ///< [m]
-  /// Cell that holds a point, points on the outer faces included; false if outside.
+  /// Cell that contains a point [m], and the point's cell coordinates; outer faces included. @return false if outside
   bool locate(const Vector<D>& point, Index<D>& cell, Vector<D>& local) const;
-  /// Kernel weights of a cell's nodes at a local point, and gradients [1/m] as columns.
+  /// Kernel values of a cell's nodes at cell coordinates, and their gradients [1/m], one a column.
   void weights(const Vector<D>& local, Eigen::VectorXd& value, Eigen::Matrix<double, D, Eigen::Dynamic>& slope) const;
   int nodesAlong(int axis) const { return cells[axis] + nodesPerAxis(kernel) - 1; }
 };
 
-/// Particles of a cell: positions and share of the cell's volume, with tabulated kernel values.
+/// Particles of a cell: positions, shares of the cell's volume, and tabulated kernel values.
 template <int D>
 struct QuadratureRule {
   int stencil = 0;               ///< nodes per cell
-  std::vector<Vector<D>> local;  ///< positions in [0, 1]^D
-  std::vector<double> weight;    ///< share of the cell's volume [1]; sums to its filled part
+  std::vector<Vector<D>> local;  ///< positions in cell coordinates, [0, 1]^D
+  std::vector<double> weight;    ///< share of the cell's volume [1]; the sum is the filled share
   std::vector<double> value;     ///< N, particle-major (particles x stencil)
   std::vector<double> slope;     ///< dN/dX [1/m], (particles x stencil x D)
 
@@ -67,11 +67,11 @@ struct QuadratureRule {
   const double* valueOf(int particle) const { return value.data() + static_cast<std::size_t>(particle) * stencil; }
 };
 
-/// Rule from given positions and weights on a grid's kernel.
+/// Rule from given positions (cell coordinates) and weights [1], for a grid's kernel and cell size.
 template <int D>
 QuadratureRule<D> makeRule(const Grid<D>& grid, const std::vector<Vector<D>>& local, const std::vector<double>& weight);
 
-/// Gauss-Legendre product rule, `points` = 1..4 per axis, of a full cell.
+/// Gauss-Legendre product rule of a full cell. @param points  1 .. 4 per axis. @throws common::Error
 template <int D>
 QuadratureRule<D> gaussRule(const Grid<D>& grid, int points);
 

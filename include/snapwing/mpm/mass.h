@@ -1,6 +1,6 @@
 #pragma once
-/// Mass matrix of solids: M_ab = sum over particles of m N_a N_b, one scalar per pair of nodes and the same for every
-/// axis. It is constant, for bodies that are rigid as well.
+/// Mass matrix of solids: M_ab = sum over particles of m N_a N_b, one scalar per pair of nodes, the same for every
+/// axis. It is constant in time, also for rigid bodies.
 
 #include <Eigen/Core>
 #include <vector>
@@ -10,11 +10,11 @@
 namespace snapwing::mpm {
 
 enum class MassKind {
-  CONSISTENT,  ///< as the displacements are interpolated
-  LUMPED,      ///< each row's sum on the diagonal
+  CONSISTENT,  ///< by the kernel's shape functions
+  LUMPED,      ///< row sums on the diagonal
 };
 
-/// Total, centre and second moments of what moves.
+/// Total mass, centre of mass and second moments.
 template <int D>
 struct MassMoments {
   double total = 0;                                              ///< [kg]
@@ -25,20 +25,21 @@ struct MassMoments {
 template <int D>
 class Mass {
  public:
-  /// At the densities that the cells have now.
+  /// Integrates the mass at the current densities of the cells.
   /// @param solid         finished
-  /// @param mass_density  of each body at full density [kg/m3]; a cell has it times its density
-  /// @param rules         number of each cell's quadrature rule; empty: the finest of its terms, which cells without a
-  ///                      constitutive law (rigid bodies) do not have
+  /// @param mass_density  of each body at rho = 1 [kg/m3]; a cell has rho times it
+  /// @param rules         quadrature rule of each cell; empty: the finest one of its terms (cells of rigid bodies have
+  /// no
+  ///                      terms)
   Mass(const Discretisation<D>& solid, const std::vector<double>& mass_density, const std::vector<int>& rules = {},
        MassKind kind = MassKind::CONSISTENT);
 
   int nodes() const { return pattern_.nodes(); }
   /// One value per block of the solid's pattern [kg].
   const std::vector<double>& blocks() const { return blocks_; }
-  /// M v, (dofCount x 1). [kg m/s] for v in m/s
+  /// M v, (dofCount x 1). [kg m/s] for v in m/s, at least (dofCount x 1)
   Eigen::VectorXd multiply(const Eigen::Ref<const Eigen::VectorXd>& v) const;
-  /// At nodal displacements u [m], (dofCount x 1 or more).
+  /// Moments at nodal displacements u [m], at least (dofCount x 1).
   MassMoments<D> moments(const Eigen::VectorXd& u) const;
 
  private:
@@ -50,7 +51,7 @@ class Mass {
   std::vector<double> blocks_;
 };
 
-/// The rule by which a cell's mass is summed: `rules`, or the finest of its terms.
+/// Quadrature rule of a cell's mass: that of `rules`, or if empty the finest one of its terms.
 template <int D>
 const QuadratureRule<D>& massRule(const Discretisation<D>& solid, int cell, const std::vector<int>& rules);
 

@@ -10,27 +10,27 @@
 namespace snapwing::mpm {
 
 struct TriangleMesh {
-  std::vector<Point3> vertices;  ///< [m], each place once
-  std::vector<std::array<int, 3>> triangles;
+  std::vector<Point3> vertices;               ///< [m], no duplicates
+  std::vector<std::array<int, 3>> triangles;  ///< indices of vertices
 };
 
-/// What keeps a mesh from enclosing a volume, by number of edges.
+/// Defects by which a mesh does not enclose a volume.
 struct MeshDefects {
-  int open = 0;         ///< edges of one triangle
-  int shared_more = 0;  ///< edges of more than two
-  int turned = 0;       ///< edges whose two triangles disagree on the outside
-  int degenerate = 0;   ///< triangles with a corner twice
+  int open = 0;         ///< edges of only one triangle
+  int shared_more = 0;  ///< edges of more than two triangles
+  int turned = 0;       ///< edges whose two triangles are oriented inconsistently
+  int degenerate = 0;   ///< triangles with a repeated corner
 };
 
-/// Reads ASCII or binary STL; corners at the same place become one vertex. Several solids of one file become one mesh.
+/// Reads ASCII or binary STL. Corners at the same position are merged; several solids of one file become one mesh.
 /// @param unit  [m] per unit of the file
-/// @throws common::FileError if it is missing, truncated or no STL; in text it names the line and the word
+/// @throws common::FileError if it is missing, truncated or no STL; in ASCII with the line and the word
 TriangleMesh readStl(const std::string& path, double unit);
 MeshDefects findDefects(const TriangleMesh& mesh);
-/// Shells in shells: of equal sense they are their union; one turned inside out is a hole in the other. A mesh that is
-/// turned inside out as a whole is the same body.
-/// @throws common::Error naming the defects if the mesh is not closed and consistently turned, or if a shell turned
-/// inside out lies in no other
+/// The body enclosed by a mesh. Nested shells of equal orientation are united; a shell of opposite orientation inside
+/// another is a hole. Reversing the orientation of the whole mesh gives the same body.
+/// @param name  in messages. @throws common::Error naming the defects if the mesh is not closed and consistently
+/// oriented, or if a shell of opposite orientation lies in no other
 ShapePtr makeMesh(TriangleMesh mesh, const std::string& name);
 /// readStl and makeMesh. @throws common::FileError
 ShapePtr loadStl(const std::string& path, double unit);
