@@ -1,15 +1,15 @@
 #pragma once
-/// Bisection: slow, and sure wherever a function changes its sign, or an answer from no to yes.
+/// Bisection of a sign change, or of a change from false to true.
 
 namespace snapwing::common {
 
-/// Where something begins to be: it is not at `low` (taken for granted, not asked) and is at `high`.
+/// Bracket of a change from false at `low` (assumed, not evaluated) to true at `high`.
 struct Bracket {
   double low = 0, high = 0;
   double middle() const { return 0.5 * (low + high); }
 };
 
-/// The bracket halved `halvings` times, or until it is at most `width` wide. @param is  asked of a number in the
+/// The bracket halved `halvings` times, or until it is at most `width` wide. @param is  predicate of a number in the
 /// bracket
 template <typename Is>
 Bracket bisect(Bracket in, const Is& is, int halvings, double width = 0) {
@@ -20,8 +20,8 @@ Bracket bisect(Bracket in, const Is& is, int halvings, double width = 0) {
   return in;
 }
 
-/// Place between `low` and `high` at which `f` changes its sign, given that it does: `halvings` times, or until the
-/// bracket is at most `width` wide. An end at which f is exactly zero is found, whichever way f leaves it.
+/// Root of `f` between `low` and `high`, where f must have different signs, by `halvings` halvings or until the bracket
+/// is at most `width` wide. An end at which f is exactly zero is found, whatever the sign of f beside it.
 template <typename Function>
 double bisect(const Function& f, double low, double high, int halvings, double width = 0) {
   const double begin = f(low);

@@ -1,6 +1,6 @@
 #pragma once
-/// Bytes of checkpoints: numbers as the machine has them, since a resumed run must have the same bits. A file begins
-/// with its kind, the program that wrote it, a hash of what it belongs to and one of its bytes.
+/// Bytes of checkpoints: numbers in the machine's own representation, so that a resumed run has the same bits. A file
+/// begins with its kind, the program that wrote it, a hash of the inputs that it belongs to, and a hash of its bytes.
 
 #include <string>
 #include <utility>
@@ -10,7 +10,7 @@
 
 namespace snapwing::common {
 
-/// A checkpoint of another program: nothing is wrong with it, but the run begins anew and says why.
+/// The checkpoint is valid but was written by another program: the run starts again and reports why.
 class OtherProgramError : public FileError {
  public:
   /// @param wrote, reads  their names, of programOf()
@@ -20,7 +20,7 @@ class OtherProgramError : public FileError {
 class BytesWriter {
  public:
   void number(double value);
-  /// With their count before them.
+  /// Writes the count, then the values.
   void numbers(const double* values, std::size_t count);
   const std::string& bytes() const { return bytes_; }
 
@@ -28,16 +28,16 @@ class BytesWriter {
   std::string bytes_;
 };
 
-/// Reads what a BytesWriter wrote, in its order. @throws FileError naming the file if there is less
+/// Reads the output of a BytesWriter in the same order. @throws FileError naming the file if it is too short
 class BytesReader {
  public:
   /// @param path  of the file, for messages
   BytesReader(std::string bytes, std::string path) : bytes_(std::move(bytes)), path_(std::move(path)) {}
   double number();
   int integer() { return static_cast<int>(number()); }
-  /// A count of things that each take at least a byte.
+  /// A count of items; refused if larger than the number of bytes.
   std::size_t count();
-  /// What numbers() wrote.
+  /// Reads what BytesWriter::numbers wrote.
   std::vector<double> numbers();
 
  private:
@@ -48,13 +48,13 @@ class BytesReader {
   std::size_t at_ = 0;
 };
 
-/// @param kind  first line of the file, whose last word is its version; @param program  of programOf();
-/// @param owner  64 digits. @throws FileError
+/// Writes atomically. @param kind  first line of the file, whose last word is its version
+/// @param program  of programOf(); @param owner  hash of the inputs, 64 digits. @throws FileError
 void saveCheckpointBytes(const std::string& bytes, const std::string& kind, const std::string& program,
                          const std::string& owner, const std::string& path);
-/// @param what  it must belong to, for the message, e.g. "another scene or to other settings"
+/// Reads such a file. @param what  end of the message for another owner, e.g. "another scene or to other settings"
 /// @throws OtherProgramError if another program wrote it
-/// @throws FileError if it is of another kind, belongs to something else or is damaged
+/// @throws FileError if it is missing, of another kind, has another owner, or is damaged
 std::string loadCheckpointBytes(const std::string& path, const std::string& kind, const std::string& program,
                                 const std::string& owner, const std::string& what);
 

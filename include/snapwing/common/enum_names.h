@@ -1,5 +1,5 @@
 #pragma once
-/// Words that files and options use for the values of an enum.
+/// Names of an enum's values in files and options.
 
 #include <array>
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace snapwing::common {
 
-/// Of an enum whose values count from 0, in their order.
+/// For an enum with values 0, 1, ...; names in the same order.
 template <class Enum, std::size_t N>
 class EnumNames {
  public:
-  /// @param key  what a message calls the setting
+  /// @param key  name of the setting in messages
   constexpr EnumNames(const char* key, const std::array<const char*, N>& names) : key_(key), names_(names) {}
 
-  /// @throws Error naming the key and all words that are allowed
+  /// @throws Error naming the key and all allowed names
   Enum value(const std::string& name) const {
     std::string allowed;
     for (std::size_t k = 0; k < N; ++k) {

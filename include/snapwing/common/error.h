@@ -1,6 +1,6 @@
 #pragma once
-/// The exception family of snapwing: broken preconditions, bad settings and bad files throw; a numerical outcome
-/// (no convergence, infeasible, cancelled) is a status in a result and never an exception.
+/// Exceptions of snapwing: violated preconditions, invalid settings and invalid files throw. A numerical outcome (not
+/// converged, infeasible, cancelled) is a status in a result; functions that return no status throw it as Error.
 
 #include <stdexcept>
 #include <string>
@@ -13,13 +13,13 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A setting is unknown, missing, mistyped or out of range.
+/// A setting is unknown, missing, of the wrong type or out of range.
 class SettingError : public Error {
  public:
   /// @param where    file (and line, if known) that holds the setting
   /// @param key      full dotted key, e.g. "masses.centre.value"
-  /// @param value    offending value as written; empty if the key is missing
-  /// @param allowed  what would have been accepted, with unit
+  /// @param value    refused value as written; empty if the key is missing
+  /// @param allowed  allowed values, with unit
   SettingError(const std::string& where, const std::string& key, const std::string& value, const std::string& allowed);
   const std::string& key() const { return key_; }
 
@@ -27,10 +27,10 @@ class SettingError : public Error {
   std::string key_;
 };
 
-/// A file cannot be read, written or understood.
+/// A file cannot be read, written or parsed.
 class FileError : public Error {
  public:
-  /// @param path  the file; @param why  what is wrong with it
+  /// @param path  the file; @param why  the reason
   FileError(const std::string& path, const std::string& why);
 };
 

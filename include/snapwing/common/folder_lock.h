@@ -1,14 +1,14 @@
 #pragma once
-/// One run at a time in a folder: two would mix their files and take up each other's checkpoints.
+/// Allows only one run at a time in a folder: two would mix their files and resume from each other's checkpoints.
 
 #include <string>
 
 namespace snapwing::common {
 
-/// Held by the process: whatever ends it lets go. Where a file system knows no locks there is none.
+/// Advisory lock (flock), released when the process ends, in any way. On file systems without locks it has no effect.
 class FolderLock {
  public:
-  /// @param folder  must exist. @throws FileError while another one holds it
+  /// @param folder  must exist. @throws FileError if it cannot be opened, or while another run holds the lock
   explicit FolderLock(const std::string& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

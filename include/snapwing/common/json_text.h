@@ -1,15 +1,15 @@
 #pragma once
-/// JSON as text that every reader takes. Names of files and scenes are bytes, JSON is UTF-8: bytes that are none are
-/// shown as \xHH.
+/// JSON as text that every reader accepts. Names of files and scenes are bytes, JSON is UTF-8: bytes that are not valid
+/// UTF-8 are written as \xHH.
 
 #include <string>
 
 namespace snapwing::common {
 
-/// The text with every byte that is no part of well-formed UTF-8 written as \xHH.
+/// The text with every byte that is not part of well-formed UTF-8 replaced by \xHH.
 std::string shownBytes(const std::string& text);
 
-/// @tparam Json  nlohmann::json or ordered_json
+/// Applies shownBytes to all strings and keys. @tparam Json  nlohmann::json or ordered_json
 template <class Json>
 void showBytes(Json& json) {
   if (json.is_string()) {
@@ -26,7 +26,7 @@ void showBytes(Json& json) {
   }
 }
 
-/// Indented, ending with a line's end. NaN becomes null.
+/// Indented text with a final newline. NaN becomes null.
 template <class Json>
 std::string jsonText(Json json) {
   showBytes(json);

@@ -1,7 +1,7 @@
 #pragma once
-/// Loans: a reference to what another object owns and that must stay there. Builds with SNAPWING_CHECK_LOANS (debug and
-/// sanitized ones by default, see CMakeLists.txt) count them and end the program where an owner goes while it is
-/// lent; elsewhere a loan is a pointer.
+/// Loans: references to objects that must outlive them. Builds with SNAPWING_CHECK_LOANS (debug and sanitized ones by
+/// default, see CMakeLists.txt) count the loans of each object and abort if it is destroyed while lent. In other builds
+/// a loan is a pointer.
 
 #include <memory>
 #include <type_traits>
@@ -15,7 +15,7 @@ namespace snapwing::common {
 
 #ifdef SNAPWING_CHECK_LOANS
 
-/// Base of what can be lent. Loans stay with the object: a copy begins without any.
+/// Base of objects that can be lent. A copy starts without loans.
 class Lender {
  public:
   Lender() = default;
@@ -28,7 +28,7 @@ class Lender {
   void returned() const { --loans_; }
 
  protected:
-  /// Prints what was still lent and aborts, if anything was.
+  /// Prints the type and aborts if the object is still lent.
   ~Lender();
 
  private:
@@ -45,12 +45,12 @@ class Lender {
 
 #endif
 
-/// What its holder needs of a Lender while it lives. May be copied; never null.
+/// Reference to a Lender that must outlive it. May be copied; never null.
 template <class T>
 class Loan {
  public:
   Loan(T& lender) : lender_(&lender) { count(); }  // NOLINT(google-explicit-constructor): used like a reference
-  /// A temporary is gone before the loan is of use.
+  /// A temporary would be destroyed before the loan is used.
   Loan(std::remove_const_t<T>&&) = delete;
 #ifdef SNAPWING_CHECK_LOANS
   Loan(const Loan& other) : lender_(other.lender_) { count(); }

@@ -1,13 +1,13 @@
 #pragma once
-/// Independent tasks side by side.
+/// Independent tasks in parallel.
 
 #include <functional>
 
 namespace snapwing::common {
 
-/// body(0) .. body(count - 1), begun in that order, on at most so many threads, the caller's among them. What a task
-/// leaves must not depend on the others, so that the number of threads does not change the result.
-/// @throws what the first task in that order threw; tasks after it may not have been begun
+/// Calls body(0) .. body(count - 1), started in that order, on at most `threads` threads, the caller's included. Tasks
+/// must not depend on each other, so that the result does not depend on the number of threads.
+/// @throws the exception of the first task in that order that threw; later tasks may not have been started
 void parallelFor(int count, int threads, const std::function<void(int)>& body);
 
 }  // namespace snapwing::common

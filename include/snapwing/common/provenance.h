@@ -1,5 +1,5 @@
 #pragma once
-/// Hashes and versions that connect a result with its inputs.
+/// Hashes and versions that identify the inputs of a result.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ namespace snapwing::common {
 std::string sha256(const std::string& bytes);
 /// SHA-256 of a file's bytes. @throws FileError
 std::string sha256OfFile(const std::string& path);
-/// Of a settings file and of the files that it names, in their order; without any, that of the file alone.
+/// SHA-256 of a settings file and the files that it names, in their order; if it names none, that of the file alone.
 /// @throws FileError
 std::string sha256OfInputs(const std::string& path, const std::vector<std::string>& named);
 /// snapwing's version, e.g. "0.1.0".

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers that must lie within bounds.
+/// Checks of numbers against their allowed range.
 
 #include <string>
 #include <string_view>
@@ -9,18 +9,18 @@
 
 namespace snapwing::common {
 
-/// Refuses numbers in the name of one asker, with messages such as "planner: threads is 0; allowed: 1 .. 256". All
-/// throw Error.
+/// Checks numbers and throws Error with messages such as "planner: threads is 0; allowed: 1 .. 256".
 class Require {
  public:
-  /// @param who  asks; may be left out of the messages
+  /// @param who  first word of messages; empty: none
   explicit Require(std::string who = "") : who_(std::move(who)) {}
-  /// @param allowed  what would have been accepted, with unit
+  /// Requires `good`. @param allowed  allowed values for the message, with unit
   void operator()(bool good, std::string_view key, double value, std::string_view allowed) const;
+  /// Requires low <= value <= high.
   void within(std::string_view key, double value, double low, double high) const;
-  /// Finite and above 0. @param unit  of the limit in the message, e.g. " s"
+  /// Requires a finite value above 0. @param unit  for the message, e.g. " s"
   void positive(std::string_view key, double value, std::string_view unit = "") const;
-  /// Finite and 0 or more.
+  /// Requires a finite value >= 0.
   void notNegative(std::string_view key, double value, std::string_view unit = "") const;
 
  private:

@@ -1,18 +1,18 @@
 #pragma once
-/// Throttle between the stick and the wire.
+/// Conversion of stick throttle to microseconds on the wire.
 
 namespace snapwing::common {
 
-/// One rule for throttle, from the stick to the wire to the motors: the vehicle file's `radio`, and what bridge and
-/// operator agree on. [us]
+/// Scale of throttle from stick to wire to motors, from the vehicle file's `radio`; the same in bridge and operator.
+/// [us]
 struct ThrottleScale {
   double low = 1000;         ///< stick low
   double high = 2000;        ///< stick full
   double min_check = 1050;   ///< below: motors at idle
   double motor_idle = 1070;  ///< motor output when armed and throttle low
-  double motor_full = 2000;
+  double motor_full = 2000;  ///< full motor output
 };
-constexpr double MOTOR_OFF = 1000;  ///< [us] motor output that turns nothing
+constexpr double MOTOR_OFF = 1000;  ///< [us] motor output of stopped motors
 
 /// Stick throttle [0,1] -> microseconds on the wire. @throws Error outside
 double throttleMicroseconds(const ThrottleScale& scale, double throttle);

@@ -1,5 +1,5 @@
 #pragma once
-/// Uniform random numbers that are the same with every standard library: its own distributions are not.
+/// Uniform random numbers that are equal with every standard library, unlike the standard distributions.
 
 #include <random>
 
@@ -8,7 +8,7 @@ namespace snapwing::common {
 /// In [0, 1), from the engine's upper 53 bits.
 inline double uniform(std::mt19937_64& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
 
-/// In [-1, 1), from the same draw.
+/// In [-1, 1), by one draw.
 inline double uniformAbout0(std::mt19937_64& engine) { return 2.0 * uniform(engine) - 1.0; }
 
 }  // namespace snapwing::common

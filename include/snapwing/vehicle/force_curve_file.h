@@ -1,6 +1,6 @@
 #pragma once
-/// Force tables without the arm's outlines, which only pictures need: most of a file's bytes, and of the time to read
-/// it.
+/// Force tables without the arm's outlines. The outlines are needed only for pictures, and take most of a file's bytes
+/// and of the time to read it.
 
 #include <string>
 
@@ -9,10 +9,10 @@
 
 namespace snapwing::vehicle {
 
-/// As loadForceTable, with empty `shapes`; those of the file are not looked at.
+/// As loadForceTable, without reading `shapes`.
 ForceTable loadForceCurve(const std::string& path);
 
-/// As armTableOf, same.
+/// As armTableOf, without reading `shapes`.
 ForceTable armCurveOf(const Vehicle& vehicle, const std::string& path = {});
 
 }  // namespace snapwing::vehicle

@@ -18,7 +18,7 @@ std::string modeName(Mode mode);
 /// @param text "F", "fixed_wing", "Q" or "quadrotor" (any case). @throws Error otherwise.
 Mode modeFromName(const std::string& text);
 
-/// The mode that a switch from `mode` leads to. @throws Error for UNKNOWN.
+/// The target mode of a switch from `mode`. @throws Error for UNKNOWN.
 Mode otherMode(Mode mode);
 
 }  // namespace snapwing::vehicle

@@ -1,5 +1,5 @@
 #pragma once
-/// First-order lag of thrust, exact over a time with one demand.
+/// First-order lag of thrust, exact over an interval with constant demand.
 
 #include <cmath>
 
@@ -7,10 +7,11 @@ namespace snapwing::vehicle {
 
 struct LaggedThrust {
   double end = 0;   ///< [N]
-  double mean = 0;  ///< over the time [N]
+  double mean = 0;  ///< over the interval [N]
 };
 
-/// @param now, wanted  [N]; @param time_up, time_down  time constants [s] > 0; @param dt  [s] > 0
+/// @param now, wanted  thrust at the start, and demand [N]
+/// @param time_up, time_down  time constants while thrust rises and falls [s] > 0; @param dt  length [s] > 0
 inline LaggedThrust laggedThrust(double now, double wanted, double time_up, double time_down, double dt) {
   const double lag = wanted > now ? time_up : time_down;
   const double decay = -std::expm1(-dt / lag);

@@ -1,6 +1,7 @@
 #pragma once
-/// Every number of a vehicle, read strictly from config/vehicles/*.yaml. SI throughout.
-/// Conventions: u = travel of the housing relative to the ring, 0 in fixed-wing mode, positive as thrust drives it.
+/// All numbers of a vehicle, read strictly from config/vehicles/*.yaml. SI units.
+/// Convention: u = travel of the housing relative to the ring, 0 in fixed-wing mode, positive in the direction in which
+/// thrust moves it.
 
 #include <optional>
 #include <string>
@@ -11,11 +12,10 @@ namespace snapwing::vehicle {
 
 struct Masses {
   common::Quantity total;   ///< [kg] whole vehicle, arms included
-  common::Quantity centre;  ///< [kg] housing, battery, electronics, without arms: what lags behind; ring side and arms
-                            ///< are total - centre
+  common::Quantity centre;  ///< [kg] housing, battery, electronics, without arms; ring side with arms: total - centre
 };
 
-/// Where ring, housing, arms and rotors sit. [m]
+/// Dimensions of ring, housing, arms and rotors. [m]
 struct Geometry {
   double ring_radius = 0;
   double ring_thickness = 0;
@@ -26,30 +26,31 @@ struct Geometry {
   double rotor_radius = 0;
 };
 
-/// One of `count` equal arms. Arm coordinates: x = r - housing_radius outward, y up, origin at the domain's lower
-/// inner corner; [m].
+/// One of `count` equal arms. Arm coordinates: x = r - housing_radius outward, y up, origin at the lower inner corner
+/// of the design domain; [m].
 struct ArmSettings {
   int count = 0;
   double domain_length = 0;  ///< extent in x
   double domain_height = 0;  ///< extent in y
-  double leg_width = 0;      ///< x < leg_width is the leg, of leg_thickness
-  double bar_height = 0;     ///< y < bar_height is the bar; beyond the leg, material only there
+  double leg_width = 0;      ///< x < leg_width is the leg, with leg_thickness
+  double bar_height = 0;     ///< y < bar_height is the bar; outside the leg there is material only in the bar
   double leg_thickness = 0;
   double bar_thickness = 0;
   double pin_x = 0, pin_y = 0;               ///< axle
-  double clamp_y_low = 0, clamp_y_high = 0;  ///< the housing holds the face x = 0 between these heights
+  double clamp_y_low = 0, clamp_y_high = 0;  ///< the housing clamps the face x = 0 between these heights
   std::string density_file;                  ///< absolute path of the shipped design's density [CSV]
   std::string table_file;                    ///< absolute path of the computed force table [HDF5]
   common::Quantity force_scale;              ///< [1] real force / computed force (printing, material)
 };
 
-/// Memory of the material: its modulus falls from the fast to the slow one after a strain. Without terms it has none.
+/// Relaxation of the material: after a strain its modulus decreases from the fast to the slow one (Prony series). No
+/// terms: no relaxation.
 struct Relaxation {
   struct Term {
     common::Quantity share;  ///< [1] of the fast modulus
     common::Quantity time;   ///< [s]
   };
-  bool modulus_is_fast = false;  ///< which one youngs_modulus is
+  bool modulus_is_fast = false;  ///< true: youngs_modulus is the fast modulus; false: the slow one
   std::vector<Term> terms;
 };
 
@@ -58,8 +59,8 @@ struct Material {
   common::Quantity poisson_ratio;   ///< [1]
   common::Quantity mass_density;    ///< [kg/m3]
   Relaxation relaxation;
-  /// [1] largest principal strain (stretch less one) that a part of it bears once; unset: unknown. For the record: a
-  /// validation compares it with what a switch asks for. How many times it bears that is another question.
+  /// [1] largest principal strain (stretch - 1) that a part withstands once; unset: unknown. A validation compares the
+  /// strain of a switch with it. It says nothing about fatigue.
   std::optional<common::Quantity> strain_limit;
 };
 
@@ -71,7 +72,7 @@ struct Rotors {
   common::Quantity quadratic_share;     ///< [1] thrust fraction = q s^2 + (1-q) s of the motor output s in [0,1]
 };
 
-/// For the record: no computation asks for it. cells = 0 if the file names none.
+/// For documentation only: no computation uses it. cells = 0 if the file states no battery.
 struct Battery {
   int cells = 0;
   common::Quantity capacity;  ///< [A s]
@@ -84,8 +85,8 @@ struct Drag {
   common::Quantity centre_cda;   ///< [m2] drag area of the centre
 };
 
-/// The stand of a trial with mount "boom"; a vehicle that flies free needs none. Without it: weightless, without drag
-/// and friction, and whoever asks for the mount is refused (Vehicle::requireBoom).
+/// The boom of a trial with mount "boom"; not needed for free flight. If not given, its mass, drag and friction are 0,
+/// and a request for this mount is refused (Vehicle::requireBoom).
 struct Boom {
   bool given = false;
   common::Quantity length{1.0, 0};    ///< [m] axis to vehicle
@@ -94,7 +95,7 @@ struct Boom {
   common::Quantity friction{0.0, 0};  ///< [N] Coulomb friction referred to the tip
 };
 
-/// The way of a command to the motors: radio, flight controller's scaling and the time it takes.
+/// From a command to the motors: radio, scaling by the flight controller, and delay.
 struct Radio {
   double frame_rate = 0;     ///< [Hz]
   common::Quantity latency;  ///< [s] command issued -> motor output changed
@@ -102,12 +103,12 @@ struct Radio {
   double throttle_high = 0;  ///< [us] stick full
   double min_check = 0;      ///< [us] below: motors at idle
   double motor_idle = 0;     ///< [us] motor output when armed and throttle low
-  double motor_full = 0;     ///< [us]
+  double motor_full = 0;     ///< [us] full motor output
 };
 
 struct Limits {
   double travel_min = 0;  ///< [m] mechanical stop upward (negative)
-  double travel_max = 0;  ///< [m] mechanical stop, or end of what was computed
+  double travel_max = 0;  ///< [m] mechanical stop, or end of the computed curve
 };
 
 /// The designed wings, if the vehicle has any; absolute paths, empty if not.
@@ -116,11 +117,11 @@ struct VehicleWing {
   std::string table_file;                   ///< its table against u [HDF5]
   common::Quantity inertia_scale{1.0, 0};   ///< [1] real inertia / that of the table
   common::Quantity friction_scale{1.0, 0};  ///< [1] real friction of the pins / that of the table
-  /// [N m] per rad by which the taut film keeps a wing from turning back past rest; 0: nothing does
+  /// [N m/rad] stiffness of the taut film against rotation of a wing back past rest; 0: none
   common::Quantity stop{0.0, 0};
 };
 
-/// What was made from the file, for those who ask it again; absolute paths, empty if the file names none.
+/// Results computed from the file; absolute paths, empty if the file names none.
 struct VehicleResults {
   std::string plan_f_to_q, plan_q_to_f;  ///< plans [JSON] of `snapwing plan`
   std::string validation;                ///< validation.json of `snapwing validate`
@@ -142,7 +143,7 @@ struct Vehicle {
   Radio radio;
   Limits limits;
   VehicleWing wing;
-  /// Accidents that a validation must see survived: names of planning::accidentMargins.
+  /// Accidents that the vehicle must survive in a validation: names of planning::accidentMargins.
   std::vector<std::string> must_survive;
   VehicleResults results;
 
@@ -151,7 +152,7 @@ struct Vehicle {
   void requireBoom(const std::string& who) const;
 };
 
-/// @throws FileError, SettingError (names key, value and what is allowed)
+/// Reads a vehicle file. @throws FileError; SettingError naming key, value and allowed range
 Vehicle loadVehicle(const std::string& path);
 
 }  // namespace snapwing::vehicle

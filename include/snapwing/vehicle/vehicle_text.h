@@ -1,18 +1,18 @@
 #pragma once
-/// A vehicle file as text: changed line by line, so that numbers, sources and comments of the author stay as they are.
+/// Edits of a vehicle file's text, line by line, so that all other numbers, sources and comments stay unchanged.
 
 #include <string>
 #include <vector>
 
 namespace snapwing::vehicle {
 
-/// A new value, a text in quotes if YAML needs them, for the `key: value` below the line `section:` (or of the
-/// top-level `key` where section == key); the comment behind it was about the old value and goes. Text in which there
-/// is no such line stays as it is.
+/// Replaces the value of `key: value` below the line `section:`, or of the top-level `key` where section == key. The
+/// value is quoted if YAML requires it. A comment on the same line is removed, since it belonged to the old value. Text
+/// without such a line is returned unchanged.
 std::string withValue(const std::string& text, const std::string& section, const std::string& key,
                       const std::string& value);
 
-/// Without these top-level keys, each with the lines that belong to it.
+/// Removes these top-level keys with their lines.
 std::string withoutKeys(const std::string& text, const std::vector<std::string>& keys);
 
 }  // namespace snapwing::vehicle
