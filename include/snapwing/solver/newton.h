@@ -4,7 +4,8 @@
 /// Converged: |r| <= max(relative_tolerance * force_scale, roundings * rounding, forceFloor()). A step d solves
 /// H d = -r with the exact H. If H has no Cholesky factor, it is projected to be positive semidefinite at each
 /// particle. Steps are halved until every det F > 0 and the potential decreases (Armijo; near the solution the
-/// approximate Wolfe conditions [Hager and Zhang 2005]).
+/// approximate Wolfe conditions [Hager and Zhang 2005]). Where the residual is not the gradient of a potential
+/// (Evaluation::potential), an indefinite H is used without projection, and |r| must decrease.
 
 #include <functional>
 #include <string>
