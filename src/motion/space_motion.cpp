@@ -131,39 +131,39 @@ std::string SpaceVehicle::vtu(const MotionState& s) const { return scene_->vtuOf
 
 std::vector<std::string> SpaceVehicle::kept() const {
   std::vector<std::string> out{
-      "ring and housing as rigid bodies with all their motions, every arm as a solid of its own that bends in space",
-      "thrust of each propeller at its place, along the ring's own axis, with the lag of all",
+      "ring and housing as rigid bodies with all their motions, every arm as a separate solid that deforms in space",
+      "thrust of each propeller at its position, along the ring's own axis, with the common rotor lag",
       "drag of ring and centre against their velocity in space"};
   const std::string loaded = linkage_ ? "centre, arms and wings" : "centre and arms";
-  if (onBoom()) out.push_back("the boom's turning about its axis, with the centripetal load on " + loaded);
+  if (onBoom()) out.push_back("rotation of the boom about its axis, with the centripetal load on " + loaded);
   if (linkage_) {
     out.push_back(
-        "wings as rigid bars in their pins on the soft arms, in the plane of the boom's turning: left outside, "
+        "wings as rigid bars with pins on the soft arms, in the plane of the boom's rotation: left outside, "
         "right inside");
   }
   if (space_.moment_per_thrust > 0) out.push_back("yaw moment of the propellers");
   if (space_.no_thrust_speed > 0) out.push_back("thrust that falls with the speed along the axis");
-  if (space_.sag > 0) out.push_back("a battery that sags with the thrust of all");
+  if (space_.sag > 0) out.push_back("battery sag with the total thrust");
   return out;
 }
 
 std::vector<std::string> SpaceVehicle::leftOut() const {
   std::vector<std::string> out{
-      "a flight controller: thrust of the rotors is as told, and nothing rights the vehicle",
-      "moments of the air, its forces on the arms, gyroscopic moments of rotors and propellers",
-      "the ring's own shape: a thin ring of its radius with all its mass; the housing is a solid cylinder",
-      "friction of the arms' axles beyond the damping ratio, and that an arm could slide along its axle"};
+      "a flight controller: the rotors' thrust is prescribed, and nothing stabilises the attitude",
+      "aerodynamic moments, aerodynamic forces on the arms, gyroscopic moments of rotors and propellers",
+      "the ring's actual shape: its mass is that of a thin ring; the housing is a solid cylinder",
+      "friction of the arms' axles beyond the damping ratio, and sliding of an arm along its axle"};
   if (linkage_) {
     for (const std::string& what : wings_.leftOut(wing_forces_)) out.push_back(what);
     if (trial_.gravity != 0 || space_.gravity_across != 0 || trial_.initial_thrust_fraction.value_or(0) > 0) {
       out.push_back("the wings' load in the equilibrium at the start");
     }
-    out.push_back("wings that turn about any but their pins' axes at rest");
+    out.push_back("rotation of the wings about other axes than those of their pins at rest");
   } else {
     out.push_back("wings and their linkage");
   }
   if (trial_.initial_thrust_fraction.value_or(0) > 0) {
-    out.push_back("unevenness of the rotors in the equilibrium at the start");
+    out.push_back("differences between the rotors in the equilibrium at the start");
   }
   if (!(space_.moment_per_thrust > 0)) out.push_back("yaw moment of the propellers (propellers: moment_per_thrust)");
   if (!(space_.no_thrust_speed > 0)) out.push_back("thrust that falls with airspeed (propellers: no_thrust_speed)");

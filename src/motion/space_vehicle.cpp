@@ -76,12 +76,11 @@ SpaceVehicle::SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehic
                            const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space,
                            const std::optional<vehicle::WingTable>& wing)
     : trial_(trial), space_(space), axis_(vehicle, parameters, withoutWings(trial), inSpace(settings)) {
-  if (settings.dimension != 3)
-    throw common::Error("arms in the plane in six degrees of freedom; allowed: rung volumetric");
-  if (settings.hand) throw common::Error("a hand in six degrees of freedom; allowed: along the axis");
+  if (settings.dimension != 3) throw common::Error("rung is planar with freedom six; allowed: volumetric");
+  if (settings.hand) throw common::Error("hand is given with freedom six; allowed: with freedom axis");
   if (settings.damping != DampingLaw::TRAVEL && settings.damping != DampingLaw::KELVIN_VOIGT) {
     throw common::Error("damping is " + dampingName(settings.damping) +
-                        ", which brakes a vehicle that turns; allowed in six degrees of freedom: travel, kelvin_voigt");
+                        " with freedom six, which damps rigid rotations; allowed: travel, kelvin_voigt");
   }
   rotors_ = vehicle.rotors.count;
   arms_ = vehicle.arm.count;
@@ -150,15 +149,15 @@ void SpaceVehicle::placeBodies(const vehicle::Vehicle& vehicle) {
 void SpaceVehicle::addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p,
                             const AxisSettings& settings, const std::optional<vehicle::WingTable>& wing) {
   if (trial_.mount == Mount::FREE) {
-    throw common::Error("wings is on in free flight in six degrees of freedom; allowed: mount boom or held, or off");
+    throw common::Error("wings is on with freedom six and mount free; allowed: mount boom or held, or wings off");
   }
   if (!wing) throw common::Error("wings is on, and the vehicle has none; allowed: off");
   if (arms_ % 2 != 0) {
     throw common::Error("wings is on with arm.count " + std::to_string(arms_) +
-                        " in six degrees of freedom; allowed: an even number, two arms against each other");
+                        " and freedom six; allowed: an even number, so that two arms are opposite");
   }
   if (settings.wings_follow_travel) {
-    throw common::Error("wings_follow is travel in six degrees of freedom; allowed: arm");
+    throw common::Error("wings_follow is travel with freedom six; allowed: arm");
   }
   wing_forces_ = settings.wing_forces;
   wing_forces_.rest_stop = settings.wing_stop.value_or(vehicle.wing.stop.value);
@@ -391,8 +390,8 @@ Eigen::VectorXd SpaceVehicle::wholeArm(const Eigen::VectorXd& along) const {
       found = nodes.find(keyOf(place));
       if (found == nodes.end()) {
         throw common::Error(
-            "solid.cell_size: cells do not lie evenly on both sides of the arm's middle; allowed: half of the "
-            "thicknesses over a whole number");
+            "solid.cell_size: the cells are not symmetric about the arm's middle plane; allowed: half the thicknesses "
+            "divided by a whole number");
       }
     }
     Vector3d u = along.segment<3>(3 * found->second);

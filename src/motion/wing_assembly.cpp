@@ -172,13 +172,13 @@ std::shared_ptr<const Term> WingAssembly::travelHub(int wing, const solver::Row&
 
 std::vector<std::string> WingAssembly::leftOut(const WingForces& of) const {
   std::vector<std::string> out{
-      "folding of the blade: a rigid body in its place, whose K misses that of the wing's table by up to " +
-          common::toText(linkage_->bladeError()) + " of the largest",
+      "folding of the blade: replaced by a rigid body, whose K differs from that of the wing's table by up to " +
+          common::toText(linkage_->bladeError()) + " of the largest K",
       "weight of the blade's film beyond that body, play of the pins, bending of the bars"};
-  out.push_back(of.air > 0 ? "air loads on the wings but for still air against their turning"
+  out.push_back(of.air > 0 ? "air loads on the wings, except still air against their rotation"
                            : "air loads on the wings");
   if (!(of.fold_bias > 0)) out.push_back("bias of the blade's central fold towards folded");
-  if (!(of.fold_stop > 0)) out.push_back("what keeps an arm's end from turning further than its wing was designed for");
+  if (!(of.fold_stop > 0)) out.push_back("a stop of the crank at the end of the wing's designed rotation");
   return out;
 }
 

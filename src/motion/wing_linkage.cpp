@@ -40,7 +40,7 @@ WingLinkage::WingLinkage(const vehicle::WingTable& table, const std::string& lay
       inertia_scale_(inertia_scale) {
   table.validate();
   if (!table.hasBlade() || table.kinetic_mass.empty()) {
-    throw common::Error("wing table without the blade's columns; allowed: one made with a blade");
+    throw common::Error("wing table: no columns of the blade; allowed: a table computed with a blade");
   }
   auxiliary_ = Vector2d(table.auxiliary[0], table.auxiliary[1]);
   joint1_ = Vector2d(table.joint1_x[0], table.joint1_y[0]);
@@ -50,7 +50,7 @@ WingLinkage::WingLinkage(const vehicle::WingTable& table, const std::string& lay
   const Vector2d wanted(table.joint1_x[last], table.joint1_y[last]);
   if (rotation_.front() != 0 || (turned(rotation_.back(), joint1_) - wanted).norm() > 1e-6 * joint1_.norm()) {
     throw common::Error(
-        "wing table: joint 1 does not turn counter-clockwise with the arm from rest; allowed: a layout "
+        "wing table: joint 1 does not rotate counter-clockwise with the arm from rest; allowed: a layout "
         "with crank_sign 1");
   }
   readBars(layout);
@@ -111,9 +111,9 @@ LinkagePose WingLinkage::at(double crank) const {
     pose.wing += step(0), pose.rocker += step(1);
     if (step.norm() < 1e-14) return pose;
   }
-  throw common::Error("the wing's linkage does not close at " + common::toText(crank) +
-                      " rad of its arm; allowed: " + common::toText(rotation_.front()) + " .. " +
-                      common::toText(rotation_.back()) + " rad and nearby");
+  throw common::Error("the wing's linkage does not close at an arm rotation of " + common::toText(crank) +
+                      " rad; allowed: about " + common::toText(rotation_.front()) + " .. " +
+                      common::toText(rotation_.back()) + " rad");
 }
 
 std::array<Eigen::Vector4d, 2> WingLinkage::bladeColumns(const LinkagePose& pose) const {
@@ -163,7 +163,8 @@ void WingLinkage::fitBlade(const vehicle::WingTable& table) {
   blade_ = scale.cwiseInverse().asDiagonal() * even.colPivHouseholderQr().solve(wanted);
   blade_error_ = (matrix * blade_ - wanted).head(rows).cwiseAbs().maxCoeff();
   if (!(blade_(0) > 0) || !(blade_(3) * blade_(0) > blade_.segment<2>(1).squaredNorm())) {
-    throw common::Error("wing table: no rigid blade has its K and S; allowed: tables of a blade of this layout");
+    throw common::Error(
+        "wing table: no rigid blade fits kinetic_mass and coupled_mass; allowed: the table of this layout");
   }
 }
 

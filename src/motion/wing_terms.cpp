@@ -193,8 +193,8 @@ SmoothCurve::SmoothCurve(std::vector<double> x, std::vector<double> value, std::
   bool good = x_.size() >= 2 && x_.size() == value_.size() && (slope_.empty() || slope_.size() == x_.size());
   for (std::size_t k = 1; good && k < x_.size(); ++k) good = x_[k] > x_[k - 1];
   if (!good) {
-    throw common::Error("a curve through " + std::to_string(x_.size()) +
-                        " points; allowed: at least 2 that increase, with one value each");
+    throw common::Error("curve: number of points is " + std::to_string(x_.size()) +
+                        ", or x does not increase; allowed: at least 2 points with increasing x and one value each");
   }
   const std::size_t last = x_.size() - 1;
   for (std::size_t k = slope_.size(); k <= last; ++k) {
