@@ -111,6 +111,7 @@ Eigen::VectorXd Coordinates::pullBackInner(const Eigen::VectorXd& inner,
   }
   for (std::size_t n = 0; n < groups_.size(); ++n) {
     const Group& g = groups_[n];
+    if (g.params() == 0) continue;  // held: its slope has no entry that a row could begin at
     for (std::size_t e = 0; e < g.inner.size(); ++e) {
       own.segment(g.first, g.params()) +=
           inner(g.inner[e]) * values[n].slope.row(static_cast<Eigen::Index>(e)).transpose();
