@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "neo_hookean_point.h"
 #include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
 
@@ -15,101 +16,69 @@ NeoHookean<D>::NeoHookean(const Material& material, const DensityInterpolation& 
   material.validate();
   interpolation.validate();
   if (plane_stress_ && part != Part::ALL) throw common::Error("plane stress takes only the whole energy");
-  mu_ = part == Part::VOLUME ? 0 : material.mu();
-  log_mu_ = mu_;
-  lambda_ = part == Part::SHEAR ? 0 : material.lambda();
-  linear_lambda_ = plane_stress_ ? 2 * mu_ * lambda_ / (lambda_ + 2 * mu_) : lambda_;
+  NeoHookeanModuli& m = moduli_;
+  m.mu = part == Part::VOLUME ? 0 : material.mu();
+  m.log_mu = m.mu;
+  m.lambda = part == Part::SHEAR ? 0 : material.lambda();
+  m.linear_lambda = plane_stress_ ? 2 * m.mu * m.lambda / (m.lambda + 2 * m.mu) : m.lambda;
+}
+
+void ThicknessStretch::search(const NeoHookeanModuli& m, double z) {
+  t = -m.lambda * z / (2 * m.mu + m.lambda);
+  if (t > NEAR) t = std::min(t, 0.5 * common::log1p(-m.lambda * z / m.mu));
+  for (int i = 0; i < 60; ++i) {
+    grown = common::expm1(2 * t);
+    const double step = (m.mu * grown + m.lambda * (z + t)) / (2 * m.mu * (grown + 1) + m.lambda);
+    t -= step;
+    if (step * step <= 1e-17 * std::abs(t)) break;
+  }
+  grown = common::expm1(2 * t);
+  beyond = 0.5 * grown - t;
 }
 
 namespace {
 
-/// Where four terms of a series are near the solution, Halley's rule ends within a round or two.
-constexpr double NEAR = 0.25;
+template <int D>
+VolumeEnergy volumeEnergy(const NeoHookeanModuli& m, bool plane_stress, double z) {
+  if (!plane_stress) return VolumeEnergy(m, z);
+  ThicknessStretch e;
+  e.find(m, z);
+  return VolumeEnergy(m, z, e);
+}
 
-/// Plane stress: the root t of mu (e^2t - 1) + lambda (z + t) = 0, monotone and convex in t.
-struct ThicknessStretch {
-  double t = 0;
-  double grown = 0, beyond = 0;  ///< e^2t - 1, and half of it less t
-
-  /// First terms of t in powers of z.
-  static double guess(double mu, double lambda, double z) {
-    const double slope = 2 * mu + lambda, k = 2 * mu / slope, t = -lambda * z / slope;
-    const double third = k * (2 * k - 2 / 3.), fourth = k * (k * (10 / 3. - 5 * k) - 1 / 3.);
-    return t + t * t * (-k + t * (third + t * fourth));
-  }
-  /// A step of Halley's rule, whose error is the cube of the one before. @return whether it was exact to rounding
-  bool refine(double mu, double lambda, double z) {
-    const common::ExpLessOne e = common::expLessOne(2 * t);
-    const double stretch = 2 * mu * (e.value + 1), slope = stretch + lambda;
-    const double newton = (mu * e.value + lambda * (z + t)) / slope;
-    const double step = newton / (1 - newton * stretch / slope);
-    // e^2t changes by so little that two terms tell it, and nothing cancels at small t.
-    t -= step;
-    beyond = 0.5 * e.beyond + step * ((e.value + 1) * step - e.value);
-    grown = 2 * (beyond + t);
-    return std::abs(step * step * step) <= 1e-17 * std::abs(t);
-  }
-  /// From anywhere: Newton's rule from above cannot overshoot.
-  void search(double mu, double lambda, double z) {
-    t = -lambda * z / (2 * mu + lambda);
-    if (t > NEAR) t = std::min(t, 0.5 * common::log1p(-lambda * z / mu));
-    for (int i = 0; i < 60; ++i) {
-      grown = common::expm1(2 * t);
-      const double step = (mu * grown + lambda * (z + t)) / (2 * mu * (grown + 1) + lambda);
-      t -= step;
-      if (step * step <= 1e-17 * std::abs(t)) break;
-    }
-    grown = common::expm1(2 * t);
-    beyond = 0.5 * grown - t;
-  }
-};
-
-/// det(I + h) - 1 - tr h.
-double beyondTrace(const Matrix<2>& h) { return h.determinant(); }
-double beyondTrace(const Matrix<3>& h) { return 0.5 * (h.trace() * h.trace() - (h * h).trace()) + h.determinant(); }
+template <int D>
+void toResponse(const PointResponse<D>& from, Response<D>& out) {
+  using Values = Eigen::Map<const Matrix<D>>;
+  out.energy = from.energy;
+  out.stress = Values(from.stress);
+  out.compact = true;
+  out.tangent.b = from.b;
+  out.tangent.c = from.c;
+  out.tangent.q = Values(from.q);
+}
 
 }  // namespace
 
 template <int D>
-typename NeoHookean<D>::Volumetric NeoHookean<D>::volumetric(double z) const {
-  if (!plane_stress_) return {0.5 * lambda_ * z * z, -log_mu_ + lambda_ * z, lambda_};
-  ThicknessStretch e;
-  e.t = ThicknessStretch::guess(mu_, lambda_, z);
-  const bool near = std::abs(e.t) < NEAR;
-  if (!near || (!e.refine(mu_, lambda_, z) && !e.refine(mu_, lambda_, z))) e.search(mu_, lambda_, z);
-  const double squared = e.grown + 1, sum = z + e.t;
-  return {mu_ * e.beyond + 0.5 * lambda_ * sum * sum, -mu_ + lambda_ * sum,
-          lambda_ * 2 * mu_ * squared / (2 * mu_ * squared + lambda_)};
-}
-
-template <int D>
 bool NeoHookean<D>::hyperelastic(const Matrix<D>& f, Response<D>& out) const {
-  const Matrix<D> h = f - Matrix<D>::Identity();
-  const double minors = beyondTrace(h), change = h.trace() + minors;
-  out.det_f = 1 + change;
-  if (!(out.det_f > 0)) return false;
-  const Matrix<D> q = f.inverse().transpose();
-  const common::LogOnePlus log_j = common::logOnePlus(change);
-  const Volumetric v = volumetric(log_j.value);
-  // mu/2 (|F|^2 - D) - mu ln J, with the first orders cancelled by hand.
-  out.energy = 0.5 * mu_ * h.squaredNorm() + log_mu_ * (log_j.beyond - minors) + v.g;
-  out.stress = mu_ * f + v.slope * q;
-  out.compact = true;
-  out.tangent.b = v.curvature;
-  out.tangent.c = -v.slope;
-  out.tangent.q = q;
+  double h[D * D];
+  Eigen::Map<Matrix<D>>{h} = f - Matrix<D>::Identity();
+  const Volume volume = volumeAt<D>(h);
+  out.det_f = volume.det;
+  if (!(volume.det > 0)) return false;
+  toResponse<D>(hyperelasticAt<D>(moduli_, h, volume, volumeEnergy<D>(moduli_, plane_stress_, volume.z)), out);
   return true;
 }
 
 template <int D>
 double NeoHookean<D>::linearEnergy(const Matrix<D>& h) const {
   const double trace = h.trace();
-  return 0.25 * mu_ * (h + h.transpose()).squaredNorm() + 0.5 * linear_lambda_ * trace * trace;
+  return 0.25 * moduli_.mu * (h + h.transpose()).squaredNorm() + 0.5 * moduli_.linear_lambda * trace * trace;
 }
 
 template <int D>
 Matrix<D> NeoHookean<D>::linearStress(const Matrix<D>& h) const {
-  return mu_ * (h + h.transpose()) + linear_lambda_ * h.trace() * Matrix<D>::Identity();
+  return moduli_.mu * (h + h.transpose()) + moduli_.linear_lambda * h.trace() * Matrix<D>::Identity();
 }
 
 /// Closed form in the frame of the singular values s: d scaling modes from a d x d matrix, and for each pair of axes a
@@ -119,7 +88,8 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
   using Vector = Eigen::Matrix<double, D, 1>;
   const Eigen::JacobiSVD<Matrix<D>> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vector s = svd.singularValues();
-  const Volumetric v = volumetric(common::log(f.determinant()));
+  const double mu = moduli_.mu;
+  const VolumeEnergy v = volumeEnergy<D>(moduli_, plane_stress_, common::log(f.determinant()));
   FullTangent<D> result = FullTangent<D>::Zero();
   const auto add = [&](const Matrix<D>& mode, double value) {
     if (value <= 0 && order == Order::PROJECTED) return;
@@ -131,7 +101,7 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
   Matrix<D> scaling;
   for (int i = 0; i < D; ++i) {
     for (int j = 0; j < D; ++j) {
-      scaling(i, j) = v.curvature / (s(i) * s(j)) + (i == j ? mu_ - v.slope / (s(i) * s(i)) : 0.0);
+      scaling(i, j) = v.curvature / (s(i) * s(j)) + (i == j ? mu - v.slope / (s(i) * s(i)) : 0.0);
     }
   }
   const Eigen::SelfAdjointEigenSolver<Matrix<D>> eigen(scaling);
@@ -140,9 +110,9 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
     for (int j = i + 1; j < D; ++j) {
       Matrix<D> mode = Matrix<D>::Zero();
       mode(i, j) = mode(j, i) = std::sqrt(0.5);
-      add(mode, mu_ - v.slope / (s(i) * s(j)));
+      add(mode, mu - v.slope / (s(i) * s(j)));
       mode(i, j) = -mode(i, j);
-      add(mode, mu_ + v.slope / (s(i) * s(j)));
+      add(mode, mu + v.slope / (s(i) * s(j)));
     }
   }
   return result;
@@ -150,39 +120,34 @@ FullTangent<D> NeoHookean<D>::projected(const Matrix<D>& f, Order order) const {
 
 template <int D>
 SharedTangent NeoHookean<D>::linearTangent(const DensityInterpolation::Value& m) const {
-  const double rest = 1 - m.mix * m.mix, shear = m.stiffness * rest * mu_;
-  return {shear, m.stiffness * rest * linear_lambda_, shear};
+  const double rest = 1 - m.mix * m.mix, shear = m.stiffness * rest * moduli_.mu;
+  return {shear, m.stiffness * rest * moduli_.linear_lambda, shear};
 }
 
 template <int D>
 SharedTangent NeoHookean<D>::shared(const DensityInterpolation::Value& m, Order order) const {
   if (order != Order::TANGENT) return {};  // projections are of the whole tangent
   SharedTangent result = linearTangent(m);
-  result.a = m.stiffness * m.mix * m.mix * mu_ + result.a;
+  result.a = m.stiffness * m.mix * m.mix * moduli_.mu + result.a;
   return result;
 }
 
 template <int D>
-bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& m, Order order,
+bool NeoHookean<D>::evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                                      Response<D>& out) const {
-  const Matrix<D> h = f - Matrix<D>::Identity();
-  const Matrix<D> mixed = Matrix<D>::Identity() + m.mix * h;
-  if (m.mix == 0) {
-    out = Response<D>();  // void: linear alone
-  } else if (!hyperelastic(mixed, out)) {
-    return false;
-  }
-  const double rest = 1 - m.mix * m.mix;
-  out.energy = m.stiffness * (out.energy + (rest > 0 ? rest * linearEnergy(h) : 0.0));
-  if (order == Order::ENERGY) return true;
-  out.stress *= m.stiffness * m.mix;
-  if (rest > 0) out.stress += m.stiffness * rest * linearStress(h);
-  if (order == Order::STRESS) return true;
-  const double scale = m.stiffness * m.mix * m.mix;
-  out.tangent.b *= scale;
-  out.tangent.c *= scale;
-  if (order != Order::TANGENT) {
-    out.full = scale * projected(mixed, order) + fullTangent<D>(linearTangent(m), Response<D>());
+  double h[D * D], mixed[D * D];
+  Eigen::Map<Matrix<D>>{h} = f - Matrix<D>::Identity();
+  for (int k = 0; k < D * D; ++k) mixed[k] = cell.mix * h[k];
+  const Volume volume = volumeAt<D>(mixed);
+  out.det_f = volume.det;
+  if (!(volume.det > 0)) return false;
+  PointResponse<D> r = hyperelasticAt<D>(moduli_, mixed, volume, volumeEnergy<D>(moduli_, plane_stress_, volume.z));
+  mixLinear<D>(moduli_, h, cell.stiffness, cell.mix, r);
+  toResponse<D>(r, out);
+  if (withTangent(order) && order != Order::TANGENT) {
+    const Eigen::Map<const Matrix<D>> change(mixed);
+    out.full = cell.stiffness * cell.mix * cell.mix * projected(Matrix<D>::Identity() + change, order) +
+               fullTangent<D>(linearTangent(cell), Response<D>());
     out.compact = false;
   }
   return true;
@@ -198,9 +163,9 @@ bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, const DensityInterpola
   const Matrix<D> linear_stress = linearStress(h);
   d_energy = m.stiffness_slope * (r.energy + rest * linear) +
              m.stiffness * m.mix_slope * (r.stress.cwiseProduct(h).sum() - 2 * m.mix * linear);
-  d_stress =
-      m.stiffness_slope * (m.mix * r.stress + rest * linear_stress) +
-      m.stiffness * m.mix_slope * (r.stress + m.mix * tangentTimes<D>({mu_, 0, 0}, r, h) - 2 * m.mix * linear_stress);
+  d_stress = m.stiffness_slope * (m.mix * r.stress + rest * linear_stress) +
+             m.stiffness * m.mix_slope *
+                 (r.stress + m.mix * tangentTimes<D>({moduli_.mu, 0, 0}, r, h) - 2 * m.mix * linear_stress);
   return true;
 }
 

@@ -1,7 +1,9 @@
-// The hot loop: energy, gradient and Hessian of all cells.
+// Energy, gradient and Hessian of all cells: side by side where the law can, else one after the other.
 #include <algorithm>
 #include <cmath>
 
+#include "assembly_lanes.h"
+#include "snapwing/common/wide.h"
 #include "snapwing/mpm/discretisation.h"
 #include "stencil.h"
 
@@ -14,61 +16,17 @@ using elasticity::Order;
 template <int D>
 struct Discretisation<D>::Scratch {
   explicit Scratch(int stencil)
-      : matrix(static_cast<std::size_t>(stencil) * D * D * paddedStencil(stencil)),
-        force(stencil * D),
-        rows(D * paddedStencil(stencil)),
-        turned(D * paddedStencil(stencil)) {}
+      : matrix(static_cast<std::size_t>(stencil) * D * D * paddedStencil(stencil)), force(stencil * D) {}
   std::vector<double> matrix;
-  std::vector<double> force;   ///< [a][i]
-  std::vector<double> rows;    ///< grad N_a, by component
-  std::vector<double> turned;  ///< Q grad N_a, by component
-};
-
-template <int D>
-struct Discretisation<D>::CellResult {
-  double energy = 0;
-  double force_squared = 0;
-  double min_det_f = std::numeric_limits<double>::infinity();
-  bool finite = true;
+  std::vector<double> force;  ///< [a][i]
 };
 
 namespace {
-
-// Wider vectors where the machine has them. Multiply and add are never fused (-ffp-contract=off): the bits stay the
-// same everywhere.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define SNAPWING_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define SNAPWING_WIDE
-#endif
 
 /// Entries of a row that whole vectors of four make of b <= a.
 template <int S>
 constexpr int entries(int a) {
   return (a / 4 + 1) * 4 < paddedStencil(S) ? (a / 4 + 1) * 4 : paddedStencil(S);
-}
-
-/// K_ab(i,k) += c qb_i qa_k, and b qa_i qb_k if there is such a part
-template <int D, int S>
-SNAPWING_WIDE void addTurned(double b, double c, const double* __restrict q, double* __restrict matrix) {
-  constexpr int ROW = paddedStencil(S);
-  for (int a = 0; a < S; ++a) {
-    const int count = entries<S>(a);
-    double* rows = matrix + a * D * D * ROW;
-    for (int i = 0; i < D; ++i) {
-      for (int k = 0; k < D; ++k) {
-        double* row = rows + (i * D + k) * ROW;
-        const double* qi = q + i * ROW;
-        const double* qk = q + k * ROW;
-        const double cq = c * q[k * ROW + a], bq = b * q[i * ROW + a];
-        if (b == 0) {
-          for (int n = 0; n < count; ++n) row[n] += cq * qi[n];
-        } else {
-          for (int n = 0; n < count; ++n) row[n] += bq * qk[n] + cq * qi[n];
-        }
-      }
-    }
-  }
 }
 
 /// K_ab(i,k) += diagonal d_ik L_ab, and b0 T_ab(i,k) + c0 T_ab(k,i) if there is such a part
@@ -102,24 +60,11 @@ void addFull(const elasticity::FullTangent<D>& t, double w, const double* g, dou
         double* row = matrix + ((a * D + i) * D + k) * ROW;
         for (int l = 0; l < D; ++l) {
           double factor = 0;
-          for (int j = 0; j < D; ++j) factor += g[j * ROW + a] * t(i + D * j, k + D * l);
+          for (int j = 0; j < D; ++j) factor += g[D * a + j] * t(i + D * j, k + D * l);
           factor *= w;
-          for (int n = 0; n <= a; ++n) row[n] += factor * g[l * ROW + n];
+          for (int n = 0; n <= a; ++n) row[n] += factor * g[D * n + l];
         }
       }
-    }
-  }
-}
-
-/// out = M g^T by components, g as columns: rows of the kernel's gradients, turned by M.
-template <int D, int S>
-void turn(const elasticity::Matrix<D>& m, const double* __restrict slope, double* __restrict out) {
-  constexpr int ROW = paddedStencil(S);
-  for (int a = 0; a < S; ++a) {
-    for (int i = 0; i < D; ++i) {
-      double value = 0;
-      for (int j = 0; j < D; ++j) value += m(i, j) * slope[D * a + j];
-      out[i * ROW + a] = value;
     }
   }
 }
@@ -159,13 +104,8 @@ typename Discretisation<D>::CellResult Discretisation<D>::evaluateCell(int numbe
       if (order == Order::ENERGY) continue;
       force += w * response.stress * slope;
       if (!tangent) continue;
-      if (!response.compact) {
-        turn<D, S>(elasticity::Matrix<D>::Identity(), rule.slopeOf(p), scratch.rows.data());
-        addFull<D, S>(response.full, w, scratch.rows.data(), scratch.matrix.data());
-      } else if (response.tangent.b != 0 || response.tangent.c != 0) {
-        turn<D, S>(response.tangent.q, rule.slopeOf(p), scratch.turned.data());
-        addTurned<D, S>(w * response.tangent.b, w * response.tangent.c, scratch.turned.data(), scratch.matrix.data());
-      }
+      if (response.compact) response.full = elasticity::fullTangent<D>({}, response);
+      addFull<D, S>(response.full, w, rule.slopeOf(p), scratch.matrix.data());
     }
     if (!tangent) continue;
     const elasticity::SharedTangent shared = law.shared(state, order);
@@ -206,13 +146,22 @@ void Discretisation<D>::assembleCells(const Eigen::VectorXd& u, Order order, int
 #pragma omp parallel num_threads(threads) if (threads > 1)
   {
     Scratch scratch(S);
-    for (const std::vector<int>& colour : colours_) {
+    LaneScratch lanes(S);
+    for (const std::vector<Batch>& colour : batches_) {
       const int count = static_cast<int>(colour.size());
 #pragma omp for schedule(static)
       for (int n = 0; n < count; ++n) {
-        const int cell = colour[n];
-        results[cell] = evaluateCell<S>(cell, u, order, scratch);
-        if (order != Order::ENERGY && results[cell].finite) scatter<S>(cell, order, scratch, out);
+        const Batch& batch = colour[n];
+        if (inLanes(cells_[batch.cells[0]].kind, order)) {
+          evaluateBatch<S>(batch, u, order, lanes, results.data());
+          if (order != Order::ENERGY) scatterBatch<S>(batch, order, lanes, results.data(), out);
+          continue;
+        }
+        for (int l = 0; l < batch.count; ++l) {
+          const int cell = batch.cells[l];
+          results[cell] = evaluateCell<S>(cell, u, order, scratch);
+          if (order != Order::ENERGY && results[cell].finite) scatter<S>(cell, order, scratch, out);
+        }
       }
     }
   }

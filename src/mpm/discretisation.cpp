@@ -148,11 +148,27 @@ void Discretisation<D>::colourCells() {
   const int period = nodesPerAxis(grids_[0].kernel);
   int count = 1;
   for (int a = 0; a < D; ++a) count *= period;
-  colours_.assign(count, {});
+  std::vector<std::vector<int>> colours(count);
   for (int c = 0; c < cellCount(); ++c) {
     int colour = 0;
     for (int a = D - 1; a >= 0; --a) colour = colour * period + cell_at_[c][a] % period;
-    colours_[colour].push_back(c);
+    colours[colour].push_back(c);
+  }
+  for (std::vector<int>& cells : colours) dealCells(cells);
+}
+
+/// A cell's own numbers do not depend on the others of its batch.
+template <int D>
+void Discretisation<D>::dealCells(std::vector<int>& cells) {
+  batches_.emplace_back();
+  std::vector<Batch>& batches = batches_.back();
+  std::stable_sort(cells.begin(), cells.end(), [&](int a, int b) { return cells_[a].kind < cells_[b].kind; });
+  for (const int c : cells) {
+    const bool fits = !batches.empty() && batches.back().count < elasticity::LANES &&
+                      cells_[batches.back().cells[0]].kind == cells_[c].kind;
+    if (!fits) batches.push_back({{}, 0});
+    Batch& batch = batches.back();
+    std::fill(batch.cells + batch.count++, batch.cells + elasticity::LANES, c);
   }
 }
 

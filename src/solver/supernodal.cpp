@@ -6,18 +6,12 @@
 #include <cmath>
 #include <cstring>
 
+#include "snapwing/common/wide.h"
 #include "snapwing/solver/sparse.h"
 
 namespace snapwing::solver {
 
 namespace {
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define SNAPWING_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#define SNAPWING_BY_PROCESSOR
-#else
-#define SNAPWING_WIDE
-#endif
 
 constexpr int HIGH = 8, WIDE = 4;  ///< rows and columns of a tile
 /// The compiler makes of it what the processor has: the sums are the same.

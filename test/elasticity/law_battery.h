@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <memory>
 #include <random>
 #include <string>
@@ -165,6 +166,45 @@ void checkProjection(const Laws<D>& laws) {
     }
   }
   EXPECT_GT(indefinite, 5) << "no indefinite tangent among the trials: nothing was tested";
+}
+
+/// Points side by side have the bits that each has alone: solid, grey and void, inverted ones among them.
+template <int D>
+void checkLanes(const Laws<D>& laws) {
+  std::mt19937 rng(13);
+  int infinite = 0;
+  for (const auto& v : laws) {
+    if (!v.model->inLanes(Order::TANGENT)) continue;
+    for (int trial = 0; trial < 50; ++trial) {
+      PointLanes<D> points;
+      std::vector<Response<D>> alone(LANES);
+      std::vector<bool> good(LANES);
+      for (int l = 0; l < LANES; ++l) {
+        const Matrix<D> f = Matrix<D>::Identity() + randomMatrix<D>(rng, std::pow(10, -(l + trial) % 9) * 1.5);
+        const auto cell = v.model->prepare(DENSITIES[(l + trial) % 4]);
+        for (int k = 0; k < D * D; ++k) points.h[k].at[l] = Matrix<D>(f - Matrix<D>::Identity()).data()[k];
+        points.stiffness.at[l] = cell.stiffness;
+        points.mix.at[l] = cell.mix;
+        good[l] = v.model->evaluatePrepared(f, cell, Order::TANGENT, alone[l]);
+      }
+      ResponseLanes<D> r;
+      v.model->evaluateLanes(points, r);
+      for (int l = 0; l < LANES; ++l) {
+        EXPECT_EQ(r.det_f.at[l], alone[l].det_f) << v.name;
+        EXPECT_EQ(std::isfinite(r.energy.at[l]), good[l]) << v.name;
+        infinite += good[l] ? 0 : 1;
+        if (!good[l]) continue;
+        EXPECT_EQ(r.energy.at[l], alone[l].energy) << v.name;
+        EXPECT_EQ(r.b.at[l], alone[l].tangent.b) << v.name;
+        EXPECT_EQ(r.c.at[l], alone[l].tangent.c) << v.name;
+        for (int k = 0; k < D * D; ++k) {
+          EXPECT_EQ(r.stress[k].at[l], alone[l].stress.data()[k]) << v.name;
+          EXPECT_EQ(r.q[k].at[l], alone[l].tangent.q.data()[k]) << v.name;
+        }
+      }
+    }
+  }
+  EXPECT_GT(infinite, 10) << "no inverted point among the trials";
 }
 
 template <int D>

@@ -33,6 +33,8 @@ TEST(NeoHookean, DensityDerivativesVolumetric) { checkDensityDerivatives<3>(vari
 TEST(NeoHookean, RotationPlanar) { checkRotation<2>(variants<2>()); }
 TEST(NeoHookean, RotationVolumetric) { checkRotation<3>(variants<3>()); }
 TEST(NeoHookean, ProjectionPlanar) { checkProjection<2>(variants<2>()); }
+TEST(NeoHookean, LanesPlanar) { checkLanes<2>(variants<2>()); }
+TEST(NeoHookean, LanesVolumetric) { checkLanes<3>(variants<3>()); }
 TEST(NeoHookean, ProjectionVolumetric) { checkProjection<3>(variants<3>()); }
 
 /// Plane strain is the solid with no stretch across; plane stress the solid whose P33 vanishes.

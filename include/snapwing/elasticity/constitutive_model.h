@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "snapwing/elasticity/density_interpolation.h"
+#include "snapwing/elasticity/point_lanes.h"
 
 namespace snapwing::elasticity {
 
@@ -75,6 +76,10 @@ class ConstitutiveModel {
   /// Explicit derivatives by the density at fixed F: dW/drho and dP/drho. Same return value as evaluatePrepared().
   virtual bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
                                  Matrix<D>& d_stress) const = 0;
+  /// Whether evaluateLanes() gives what an order asks for.
+  virtual bool inLanes(Order /*order*/) const { return false; }
+  /// evaluatePrepared() for points side by side, with all that TANGENT asks for.
+  virtual void evaluateLanes(const PointLanes<D>& /*points*/, ResponseLanes<D>& /*out*/) const {}
 };
 
 }  // namespace snapwing::elasticity

@@ -19,6 +19,13 @@ enum class Part {
   VOLUME,  ///< lambda/2 ln^2 J
 };
 
+/// [Pa]
+struct NeoHookeanModuli {
+  double mu = 0, lambda = 0;  ///< of the chosen part
+  double log_mu = 0;          ///< factor of -ln J
+  double linear_lambda = 0;   ///< of the linear law at small strain
+};
+
 /// D = 2 (plane strain or plane stress) or 3.
 template <int D>
 class NeoHookean : public ConstitutiveModel<D> {
@@ -33,15 +40,12 @@ class NeoHookean : public ConstitutiveModel<D> {
   SharedTangent shared(const DensityInterpolation::Value& cell, Order order) const override;
   bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                         Response<D>& out) const override;
+  bool inLanes(Order order) const override { return order <= Order::TANGENT; }
+  void evaluateLanes(const PointLanes<D>& points, ResponseLanes<D>& out) const override;
   bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
                          Matrix<D>& d_stress) const override;
 
  private:
-  /// g(z) + mu z and the derivatives g', g'' of the function of z = ln J beside mu/2 |F|^2.
-  struct Volumetric {
-    double g, slope, curvature;
-  };
-  Volumetric volumetric(double z) const;
   /// Hyperelastic part at F; false if det F <= 0.
   bool hyperelastic(const Matrix<D>& f, Response<D>& out) const;
   double linearEnergy(const Matrix<D>& h) const;
@@ -51,9 +55,7 @@ class NeoHookean : public ConstitutiveModel<D> {
 
   DensityInterpolation interpolation_;
   bool plane_stress_;
-  double mu_, lambda_;    ///< moduli of the chosen part
-  double log_mu_;         ///< factor of -ln J
-  double linear_lambda_;  ///< of the linear law at small strain
+  NeoHookeanModuli moduli_;
 };
 
 }  // namespace snapwing::elasticity

@@ -105,7 +105,13 @@ class Discretisation {
 
  private:
   struct Scratch;
+  struct LaneScratch;
   struct CellResult;
+  /// Cells of one colour and kind, worked on side by side; the last one fills what is left.
+  struct Batch {
+    int cells[elasticity::LANES];
+    int count;
+  };
   /// Sums over a rule's particles that do not depend on the displacements.
   struct RuleTable {
     std::vector<double> laplace;  ///< [a][b]: sum w Ga.Gb
@@ -113,12 +119,22 @@ class Discretisation {
   };
   void numberNodes();
   void colourCells();
+  void dealCells(std::vector<int>& colour);
+  bool inLanes(int kind, elasticity::Order order) const;
   void prepareCells();
   void buildTable(int rule, bool outer);
   template <int S>
   void assembleCells(const Eigen::VectorXd& u, elasticity::Order order, int threads, Assembly& out) const;
   template <int S>
   CellResult evaluateCell(int cell, const Eigen::VectorXd& u, elasticity::Order order, Scratch& scratch) const;
+  template <int S>
+  void evaluateBatch(const Batch& batch, const Eigen::VectorXd& u, elasticity::Order order, LaneScratch& scratch,
+                     CellResult* results) const;
+  template <int S>
+  void addShared(const Batch& batch, int term, LaneScratch& scratch) const;
+  template <int S>
+  void scatterBatch(const Batch& batch, elasticity::Order order, const LaneScratch& scratch, const CellResult* results,
+                    Assembly& out) const;
   template <int S>
   double cellDensityDerivative(int cell, const Eigen::VectorXd& u, const Eigen::VectorXd& v) const;
   template <int S>
@@ -141,8 +157,8 @@ class Discretisation {
   std::vector<Vector<D>> position_;
   std::vector<int> node_body_;
   BlockPattern<D> pattern_;
-  std::vector<int> block_of_pair_;  ///< cells x stencil (stencil + 1) / 2: block of local nodes a >= b
-  std::vector<std::vector<int>> colours_;
+  std::vector<int> block_of_pair_;           ///< cells x stencil (stencil + 1) / 2: block of local nodes a >= b
+  std::vector<std::vector<Batch>> batches_;  ///< per colour
 };
 
 }  // namespace snapwing::mpm

@@ -26,7 +26,8 @@ double segmentDistance(const std::array<double, 2>& a, const std::array<double, 
   const double dx = b[0] - a[0], dy = b[1] - a[1];
   const double length = dx * dx + dy * dy;
   const double t = length > 0 ? std::clamp(((x - a[0]) * dx + (y - a[1]) * dy) / length, 0.0, 1.0) : 0.0;
-  return common::hypot(x - a[0] - t * dx, y - a[1] - t * dy);
+  const double off_x = x - a[0] - t * dx, off_y = y - a[1] - t * dy;
+  return std::sqrt(off_x * off_x + off_y * off_y);
 }
 
 }  // namespace
