@@ -116,7 +116,7 @@ Refusal BridgeCore::checkPulse(const PulseCommand& command, double now, std::int
   const bool hold_sound = !holds || (command.hold_duration > 0.0 && command.hold_throttle > 0.0 &&
                                      command.hold_throttle <= settings_.max_throttle);
   const bool sound = within(command.throttle, 0.0, settings_.max_throttle) && command.duration > 0.0 && hold_sound &&
-                     command.whole() <= settings_.max_pulse &&
+                     command.whole() <= settings_.max_pulse && command.pulse_id <= MAX_PULSE_ID &&
                      (!command.mixed || within(std::abs(command.pitch), 0.0, std::max(settings_.max_pitch, 1e-12)));
   if (command.mixed && settings_.max_pitch <= 0.0) return Refusal::MIXED_NOT_ALLOWED;
   if (!sound) return Refusal::BAD_VALUE;

@@ -107,7 +107,7 @@ std::string describe(Refusal refusal, std::int64_t detail) {
     case Refusal::REPEATED_PULSE:
       return "pulse id " + std::to_string(detail) + " is not above the last one";
     case Refusal::BAD_VALUE:
-      return "throttle, duration, hold or pitch is not finite or beyond the bridge's limits";
+      return "throttle, duration, hold, pitch or pulse id is not finite or beyond the bridge's limits";
     case Refusal::NOT_ARMED:
       return "not armed, or the flight controller does not report armed yet";
     case Refusal::BUSY:

@@ -129,6 +129,8 @@ TEST_F(Core, MessagesThatChangeTheFrameBringItForward) {
   EXPECT_EQ(core_.status().period_histogram, periods) << "a hurried frame is not a late one";
   EXPECT_EQ(core_.status().latency_histogram[6], 1) << "5 to 10 ms";
   EXPECT_EQ(core_.onPulse(pulse(1, 0.5, 0.5), now_), Refusal::REPEATED_PULSE);
+  EXPECT_EQ(core_.onPulse(pulse(MAX_PULSE_ID + 1, 0.5, 0.5), now_), Refusal::BAD_VALUE) << "ROS could send no more";
+  EXPECT_EQ(core_.status().pulse_id, 1);
   EXPECT_EQ(beat(true), Refusal::NONE);
   EXPECT_FALSE(core_.urgent());
   beat(true, false);

@@ -83,7 +83,7 @@ enum class Refusal : std::int32_t {
   FROM_FUTURE = 3,      ///< detail: [us] age, negative
   REPEATED_NUMBER = 4,  ///< detail: number
   REPEATED_PULSE = 5,   ///< detail: pulse id
-  BAD_VALUE = 6,        ///< not finite or outside the allowed range
+  BAD_VALUE = 6,        ///< not finite or outside the allowed range, the pulse id too
   NOT_ARMED = 7,
   BUSY = 8,            ///< a pulse is in force, or the pause after the last one is not over
   OTHER_OPERATOR = 9,  ///< another sender holds the deadman
@@ -107,6 +107,9 @@ std::string describe(Refusal refusal, std::int64_t detail);
 std::string scaleMismatch(const common::ThrottleScale& bridge, const common::ThrottleScale& vehicle);
 /// "RXLOSS BOOTGRACE" from a mask of Betaflight 4.5's arming-disable bits.
 std::string describeArmingFlags(std::uint32_t flags);
+
+/// Largest id of a pulse: what ROS messages hold. One id beyond it would make all that ROS can send a repetition.
+constexpr std::int64_t MAX_PULSE_ID = 4294967295;
 
 /// Why ARMED or PULSE became IDLE without a fault.
 enum class Disarming : std::uint8_t { NONE = 0, SWITCH_OFF = 1, DEADMAN_RELEASED = 2 };

@@ -76,7 +76,7 @@ std::vector<double> numbersIn(std::istringstream& words) {
 void sendPulse(std::istringstream& words, bool hold, link::OperatorLink& link) {
   const std::vector<double> numbers = numbersIn(words);
   const bool right = hold ? numbers.size() == 5 : numbers.size() == 3 || numbers.size() == 4;
-  if (!right || numbers[0] < 1 || numbers[0] > UINT32_MAX || numbers[0] != std::floor(numbers[0])) {
+  if (!right || numbers[0] < 1 || numbers[0] > link::MAX_PULSE_ID || numbers[0] != std::floor(numbers[0])) {
     return say(hold ? "not sent; allowed: hold ID THROTTLE SECONDS HOLD_THROTTLE HOLD_SECONDS, numbers with a point"
                     : "not sent; allowed: pulse ID THROTTLE SECONDS [PITCH], numbers with a point");
   }
