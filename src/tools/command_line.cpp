@@ -1,11 +1,6 @@
 #include "command_line.h"
 
-#include <poll.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <csignal>
-#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -13,6 +8,7 @@
 
 #include "snapwing/common/error.h"
 #include "snapwing/common/provenance.h"
+#include "standard_output.h"
 
 namespace snapwing::tools {
 
@@ -33,13 +29,6 @@ int run(int argc, char** argv, AddCommands* add) {
     return app.exit(e) == 0 ? 0 : BAD_INPUT;
   }
   return exit_code;
-}
-
-/// What is printed must have arrived, except where the reader has gone, as `| head` does: files are written before.
-bool printed() {
-  const bool good = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  pollfd out{STDOUT_FILENO, POLLOUT, 0};
-  return good || (::poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0);
 }
 
 int guarded(int argc, char** argv, AddCommands* add) {
@@ -63,13 +52,8 @@ int guarded(int argc, char** argv, AddCommands* add) {
 }  // namespace
 
 int runCommandLine(int argc, char** argv, AddCommands* add) {
-  // A reader that goes away, or a limit on a file's size, is an error of that write and not the end of the program.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-  const int code = guarded(argc, argv, add);
-  if (printed()) return code;
-  std::cerr << "snapwing: the standard output cannot be written\n";
-  return code == 0 ? BAD_INPUT : code;
+  keepFailedWrites();
+  return afterPrinting(guarded(argc, argv, add));
 }
 
 }  // namespace snapwing::tools

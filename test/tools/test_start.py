@@ -8,13 +8,29 @@ from command import BEAM, COARSE, PREDICT, PROGRAM, Case
 
 
 class Start(Case):
+    def loaded(self, *words):
+        """Names of the libraries that a command starts."""
+        told = subprocess.run([PROGRAM, *map(str, words)], env={**os.environ, "LD_DEBUG": "files"}, capture_output=True, text=True, timeout=60)
+        self.assertEqual(told.returncode, 0)
+        return {os.path.basename(line.split()[-1]).split(".so")[0] for line in told.stderr.splitlines() if "calling init:" in line}
+
     def test_a_prediction_loads_no_solver(self):
         """Linking BLAS at start takes longer than a prediction."""
-        listed = subprocess.run([PROGRAM, *map(str, PREDICT)], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"},
-                                capture_output=True, text=True, timeout=60).stdout
-        self.assertIn("libsnapwing_rom.so", listed)
-        for library in ("libsnapwing_solver.so", "libcholmod", "libopenblas"):
-            self.assertNotIn(library, listed)
+        found = self.loaded(*PREDICT)
+        self.assertIn("libsnapwing_rom", found)
+        self.assertEqual(found & {"libsnapwing_solver", "libcholmod", "libopenblas"}, set())
+
+    def test_the_version_loads_no_hdf5(self):
+        found = self.loaded("--version")
+        self.assertIn("libstdc++", found)
+        self.assertEqual({name for name in found if "snapwing" in name or "hdf5" in name or "curl" in name}, set())
+        self.assertEqual(self.snapwing("--version").stdout, subprocess.run([PROGRAM + "_all", "--version"], capture_output=True, timeout=60).stdout)
+
+    def test_without_its_module_a_prediction_is_handed_over(self):
+        alone = shutil.copy(PROGRAM, self.folder / "snapwing")
+        (self.folder / "snapwing_all").symlink_to(PROGRAM + "_all")
+        done = subprocess.run([alone, *map(str, PREDICT)], capture_output=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout), (0, self.snapwing(*PREDICT).stdout))
 
     def test_all_other_commands_are_handed_over(self):
         for command in ("curve", "design", "predict", "plan", "trial", "validate", "vehicle"):
