@@ -155,8 +155,9 @@ def figures(runs):
     battery = {name: runs[name] for name in ("battery_alone_in_f", "battery_in_f_wings_off", "battery_in_f_wings_on") if name in runs}
     if battery:
         found["battery"] = travel_figure(battery)
-    if "boom_wings" in runs:
-        found["boom_wings"] = boom_wing_figure(runs["boom_wings"])
+    for name in ("boom_wings", "boom_wings_f_to_q"):
+        if name in runs:
+            found[name] = boom_wing_figure(runs[name])
     return found
 
 
@@ -228,11 +229,11 @@ def battery_rows(runs):
     return rows
 
 
-def outward_row(runs):
+def outward_row(runs, name, what):
     """The boom with wings: the left one lies outside of the vehicle, the right one inside, so that a tip points outwards
     where the left one is unfolded and the right one folded."""
     says = "centripetal load turns both tips to the outside of the circle: no useful test"
-    what, run = "Boom with wings", runs.get("boom_wings")
+    run = runs.get(name)
     if run is None:
         return what, says, "", OPEN
     rate, bodies, linkage = run.series["turn_rate_rad_per_s"], run.summary["model"]["bodies"], run.summary["model"]["linkage"]
@@ -243,7 +244,9 @@ def outward_row(runs):
     came = (f"{run.label()} from {run.outcome['start_mode']}: at the fastest, {float(rate[fastest]) * BOOM_LENGTH:.1f} m/s after "
             f"{run.series['time_s'][fastest]:.2f} s, the load is {load:.0f} m/s2: {bodies['centre_mass'] * load:.0f} N on the centre, "
             f"{bodies['arms_mass'] * load:.1f} N on the arms, {wing * load:.1f} N on each wing. The outer wing is then at {left:.0f} deg, the inner one "
-            f"at {right:.0f} deg; the centre is {1e3 * float(np.nanmax(run.series['centre_off_m'][:fastest + 1])):.0f} mm off the ring's axis")
+            f"at {right:.0f} deg; the centre is {1e3 * float(np.nanmax(run.series['centre_off_m'][:fastest + 1])):.0f} mm off the ring's axis; "
+            f"at the end, at {run.series['time_s'][-1]:.2f} s, the wings are at {float(run.wing('left')[-1]):.0f} and "
+            f"{float(run.wing('right')[-1]):.0f} deg, the housing at {1e3 * float(run.series['travel_m'][-1]):.0f} mm")
     return what, says, came, AGREES if left < FOLDED < right else DISAGREES
 
 
@@ -266,7 +269,9 @@ def rows(runs):
     for way in WAYS:
         found.append(hand_row(runs, way, FRICTIONS, ""))
         found += [hand_row(runs, way, {key: words}, f", {words}") for key, words in {**ASSUMPTIONS, **REMEDIES}.items()]
-    return [row for row in [*found, friction_row(runs), friction_row(runs, "stiff", "stiff_uneven", ", pins with 20 x (right 30 x) friction"), film_row(runs), *battery_rows(runs), outward_row(runs), *variant_rows(runs)]
+    return [row for row in [*found, friction_row(runs), friction_row(runs, "stiff", "stiff_uneven", ", pins with 20 x (right 30 x) friction"), film_row(runs), *battery_rows(runs), outward_row(runs, "boom_wings", "Boom with wings, from Q with full thrust"),
+                                       outward_row(runs, "boom_wings_f_to_q", "Boom with wings, from F with the pulse without wings"),
+                                       *variant_rows(runs)]
             if row[3] != OPEN]
 
 
@@ -277,6 +282,7 @@ TITLES = {
     "wings_q_to_f": ("Q to F wing angle comparison (by hand)", "Zero is the fixed-wing mode; left solid, right dashed."),
     "variants_f_to_q": ("What decides, F to Q", "The same pulse with another decay of the motors, and without drag."),
     "variants_q_to_f": ("What decides, Q to F", "The same pulse with another decay of the motors, and without drag."),
+    "boom_wings_f_to_q": ("Wings on the boom, F to Q", "Outside of the circle is 0 deg for the outer wing, folded for the inner one."),
     "boom_wings": ("Wings on the boom", "Outside of the circle is 0 deg for the outer wing, folded for the inner one."),
     "battery": ("F against gravity", "Ring held, thrust axis up, motors still."),
 }

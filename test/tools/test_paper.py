@@ -77,6 +77,19 @@ class Verdicts(unittest.TestCase):
             runs = {"hand_q_to_f_even": even, "hand_q_to_f_uneven": wing_run([140, 0], right)}
             self.assertEqual(paper.friction_row(runs)[3], verdict)
 
+    def test_tips_outside_are_one_wing_folded_and_one_not(self):
+        for left, right, verdict in (([130, 20], [130, 140], paper.AGREES), ([130, 120], [130, 140], paper.DISAGREES)):
+            run = wing_run(left, right)
+            run.series.update({"turn_rate_rad_per_s": np.array([1.0, 9.0]), "time_s": np.array([0, 0.4]), "centre_off_m": np.zeros(2),
+                               "travel_m": np.array([0, 0.05])})
+            run.outcome["start_mode"] = "Q"
+            run.summary = {"model": {"bodies": {"centre_mass": .4, "arms_mass": .04},
+                                     "linkage": {bar: {"mass": .01} for bar in ("crank", "wing", "rocker")}}}
+            row = paper.outward_row({"boom_wings": run}, "boom_wings", "a boom")
+            self.assertEqual((row[0], row[3]), ("a boom", verdict))
+            self.assertIn(f"at the end, at 0.40 s, the wings are at {left[-1]} and {right[-1]} deg, the housing at 50 mm", row[2])
+        self.assertEqual(paper.outward_row({}, "boom_wings", "a boom")[3], paper.OPEN)
+
 
 if __name__ == "__main__":
     unittest.main()
