@@ -129,7 +129,7 @@ def boom_wing_figure(run):
     speed.plot(run.series["time_s"], run.series["ring_speed_m_per_s"], color=style.MUTED, lw=1, label="speed of the ring")
     speed.set_ylabel("speed [m/s]")
     lines = [*axis.get_lines(), *speed.get_lines()]
-    axis.legend(lines, [line.get_label() for line in lines], fontsize=8)
+    axis.legend(lines, [line.get_label() for line in lines], fontsize=8, loc="center left")
     return svg_of(figure)
 
 
