@@ -1,9 +1,13 @@
 """A design has the same bytes on every processor. Others are played by the choices that libraries make at run time."""
 import os
+import pathlib
+import platform
+import re
+import subprocess
 import unittest
 
 import h5py
-from command import ROOT, Case
+from command import PROGRAM, ROOT, Case
 
 SETTINGS = (ROOT / "config" / "designs" / "arm_default.yaml").read_text()
 OTHERS = {
@@ -28,6 +32,17 @@ class Processors(Case):
                         found[f"{name}:{key}"] = item[()].tobytes()
                 file.visititems(add)
         return found
+
+    @unittest.skipUnless(platform.machine() == "x86_64", "instructions of x86-64")
+    def test_no_function_fuses_multiply_and_add(self):
+        """Code for AVX-512 would else have other last digits than that for AVX2, which has no such instruction."""
+        listed = subprocess.run([PROGRAM + "_all"], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, capture_output=True, text=True, timeout=60)
+        libraries = re.findall(r"=> (\S*libsnapwing_\S*\.so)", listed.stdout)
+        self.assertTrue({"libsnapwing_solver.so", "libsnapwing_mpm.so", "libsnapwing_elasticity.so"} <= {pathlib.Path(path).name for path in libraries})
+        for library in libraries:
+            code = subprocess.run(["objdump", "-d", "--no-show-raw-insn", library], capture_output=True, text=True, timeout=120, check=True).stdout
+            self.assertIn("ret", code)
+            self.assertEqual(re.findall(r"\bvfn?m(?:add|sub)\w*", code), [], library)
 
     def short(self):
         """The default's settings in few iterations and with a coarse check, with all that the path of a design computes."""
