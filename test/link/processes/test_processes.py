@@ -62,7 +62,7 @@ class Processes(unittest.TestCase):
         bench = self.bench
         bench.arm()
         sent = bench.pulse(1.0, 0.3, wait=False, hold=(0.3, 1.3))
-        wait_for(lambda: "hold or pitch is" in bench.status()["refusal"], 1.0, "refused by its hold")
+        wait_for(lambda: "hold, pitch or pulse id is" in bench.status()["refusal"], 1.0, "refused by its hold")
         time.sleep(0.3)
         self.assertLessEqual(bench.motors.highest(sent), IDLE)
 
