@@ -77,7 +77,7 @@ std::string loadCheckpointBytes(const std::string& path, const std::string& kind
     throw OtherProgramError(path, "whose checkpoints have another format", program);
   }
   std::string wrote = takeLine(&rest);
-  if (rest.size() < 2 * DIGITS) throw FileError(path, "the checkpoint is damaged");
+  if (wrote.empty() || rest.size() < 2 * DIGITS) throw FileError(path, "the checkpoint is damaged");
   wrote.pop_back();
   if (wrote != program) throw OtherProgramError(path, shownBytes(wrote), program);
   if (rest.compare(0, DIGITS, owner) != 0) {

@@ -42,7 +42,7 @@ TEST(CheckpointBytes, AreOfOneProgramAndOneOwner) {
   file.back() ^= 1;
   writeFileAtomically(path, file);
   EXPECT_NE(said(path, KIND, "0.1.0+aa", OWNER).find("damaged"), std::string::npos);
-  for (const std::string& start : {std::string(), KIND, KIND + "0.1.0+aa\n" + OWNER}) {
+  for (const std::string& start : {std::string(), KIND, KIND + "0.1.0+aa\n" + OWNER, KIND + std::string(300, 'x')}) {
     writeFileAtomically(path, start);
     EXPECT_NE(said(path, KIND, "0.1.0+aa", OWNER), "") << start;
   }
