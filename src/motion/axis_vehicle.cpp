@@ -161,7 +161,7 @@ void AxisVehicle::join(solver::TermProblem::Parts& parts) const {
       solver::splitEquations(centre_ + 1, controlCount(), equations, false, first, wings_.rotationCount(), entries);
   parts.coordinates =
       std::make_shared<const solver::Coordinates>(split.eliminated, settings_.dimension, wings_.rotations());
-  parts.constraints = WingAssembly::chains(split.kept, share_);
+  parts.constraints = wings_.chains(split.kept, share_);
 }
 
 /// Node blocks of the arm; ring and centre are coupled by terms alone.

@@ -137,9 +137,10 @@ std::vector<std::string> SpaceVehicle::kept() const {
   const std::string loaded = linkage_ ? "centre, arms and wings" : "centre and arms";
   if (onBoom()) out.push_back("rotation of the boom about its axis, with the centripetal load on " + loaded);
   if (linkage_) {
-    out.push_back(
-        "wings as rigid bars with pins on the soft arms, in the plane of the boom's rotation: left outside, "
-        "right inside");
+    out.push_back(onBoom()
+                      ? "wings as rigid bars with pins on the soft arms, in the plane of the boom's rotation: left "
+                        "outside, right inside"
+                      : "wings as rigid bars with pins on ring and soft arms, which turn in space with the ring");
   }
   if (space_.moment_per_thrust > 0) out.push_back("yaw moment of the propellers");
   if (space_.no_thrust_speed > 0) out.push_back("thrust that falls with the speed along the axis");
@@ -158,7 +159,9 @@ std::vector<std::string> SpaceVehicle::leftOut() const {
     if (trial_.gravity != 0 || space_.gravity_across != 0 || trial_.initial_thrust_fraction.value_or(0) > 0) {
       out.push_back("the wings' load in the equilibrium at the start");
     }
-    out.push_back("rotation of the wings about other axes than those of their pins at rest");
+    if (trial_.mount != vehicle::Mount::FREE) {
+      out.push_back("rotation of the wings about other axes than those of their pins at rest");
+    }
   } else {
     out.push_back("wings and their linkage");
   }

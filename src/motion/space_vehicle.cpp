@@ -145,12 +145,10 @@ void SpaceVehicle::placeBodies(const vehicle::Vehicle& vehicle) {
   if (trial_.mount == Mount::HELD) ring_.rotation.axes.clear();
 }
 
-/// One wing each way along the first arm: their pins' axes lie along the boom's, so that bars turn about one axis.
+/// One wing each way along the first arm. On a boom their pins' axes lie along the boom's, so that bars turn about one
+/// axis; a ring that is free takes them along.
 void SpaceVehicle::addWings(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& p,
                             const AxisSettings& settings, const std::optional<vehicle::WingTable>& wing) {
-  if (trial_.mount == Mount::FREE) {
-    throw common::Error("wings is on with freedom six and mount free; allowed: mount boom or held, or wings off");
-  }
   if (!wing) throw common::Error("wings is on, and the vehicle has none; allowed: off");
   if (arms_ % 2 != 0) {
     throw common::Error("wings is on with arm.count " + std::to_string(arms_) +
@@ -162,12 +160,17 @@ void SpaceVehicle::addWings(const vehicle::Vehicle& vehicle, const vehicle::Vehi
   wing_forces_ = settings.wing_forces;
   wing_forces_.rest_stop = settings.wing_stop.value_or(vehicle.wing.stop.value);
   linkage_ = std::make_shared<const WingLinkage>(*wing, vehicle.wing.layout_file, p.wing_inertia, p.wing_friction);
-  std::vector<WingAssembly::Wing> wings{{true, 1, settings.friction_left, ringTurningAbout(armOfWing(0))},
-                                        {false, 1, settings.friction_right, ringTurningAbout(armOfWing(1))}};
+  std::vector<WingAssembly::Wing> wings{{true, 1, settings.friction_left}, {false, 1, settings.friction_right}};
   const int bars = static_cast<int>(3 * wings.size());
   // Places of the bars before all rotations, which must follow each other.
   for (RigidBody* body : {&ring_, &housing_}) body->rotation.first += 3 * bars;
-  for (WingAssembly::Wing& one : wings) one.ring->cosine += 3 * bars, one.ring->sine += 3 * bars;
+  for (int side = 0; side < 2; ++side) {
+    if (trial_.mount == Mount::FREE) {
+      wings[side].ring_in_space = ringDirections(armOfWing(side));
+    } else {
+      wings[side].ring = ringTurningAbout(armOfWing(side));
+    }
+  }
   wings_ = WingAssembly(linkage_, std::move(wings), 3, nodes_ + 6, nodes_ + 6 + 3 * bars + 18);
 }
 
@@ -177,13 +180,23 @@ Turning SpaceVehicle::ringTurningAbout(int arm) const {
   return {first, first + 1, ring_.rotation.length, arm == 0 ? 1.0 : -1.0};
 }
 
+Directions SpaceVehicle::ringDirections(int arm) const {
+  const auto along = [&](int k) {
+    return solver::SpacePoint::direction(turned_[arm].col(k), ring_.rotation).inAxes(turned_[arm]);
+  };
+  return {along(0), along(1), along(2)};
+}
+
 std::vector<std::shared_ptr<const Term>> SpaceVehicle::wingForces(const AxisSettings& settings) {
   std::vector<std::shared_ptr<const Term>> terms = wings_.pins();
+  const mpm::Discretisation<3>& solid = *scene_->volumetric();
+  Eigen::VectorXd from_axle(nodes_);
+  for (int node = 0; node < solid.nodeCount(); ++node) from_axle.segment<3>(3 * node) = solid.position(node) - axle_;
   for (int wing = 0; wing < wings_.wingCount(); ++wing) {
     for (const auto& term : wings_.forces(wing, wing_forces_)) terms.push_back(term);
     Eigen::VectorXd gradient;
     scene_->monitor(armOfWing(wing), Eigen::VectorXd::Zero(nodes_), &gradient);
-    hubs_.push_back(wings_.hub(wing, gradient, settings.hub_stiffness));
+    hubs_.push_back(wings_.hub(wing, gradient, settings.hub_stiffness, from_axle));
     terms.push_back(hubs_.back());
   }
   return terms;
@@ -196,7 +209,7 @@ void SpaceVehicle::join(solver::TermProblem::Parts& parts) const {
   const solver::SplitEquations split = solver::splitEquations(full_, rotors_, equations(), false, ring_.rotation.first,
                                                               static_cast<int>(rotations.size()), 9);
   parts.coordinates = std::make_shared<const solver::Coordinates>(split.eliminated, 3, rotations);
-  parts.constraints = WingAssembly::chains(split.kept, 1);
+  parts.constraints = wings_.chains(split.kept, 1);
 }
 
 void SpaceVehicle::findArrows() {
@@ -413,8 +426,11 @@ MotionState SpaceVehicle::start(vehicle::Mode mode, double thrust, bool* held) c
   const Stepper stepper(problem_, Scheme(SchemeKind::MIDPOINT), settings);
   const solver::Coordinates& coordinates = problem_->coordinates();
   const auto turning = static_cast<Eigen::Index>(ring_.rotation.axes.size() + housing_.rotation.axes.size());
-  Eigen::VectorXd turned = Eigen::VectorXd::Zero(turning + wings_.rotationCount());
-  if (linkage_) turned.tail(wings_.rotationCount()) = wings_.turned(scene_->monitor(0, y.head(nodes_)));
+  const double crank = linkage_ ? scene_->monitor(0, y.head(nodes_)) : 0;
+  wings_.pose(crank, y);  // elimination may have kept the bars' places and not the ring's
+  const Eigen::VectorXd bars = wings_.turned(crank);
+  Eigen::VectorXd turned = Eigen::VectorXd::Zero(turning + bars.size());
+  turned.tail(bars.size()) = bars;
   const Eigen::VectorXd z = coordinates.freePart(y, turned), load = controls(0, 0, thrust);
   return stepper.start(z, load, rigidRates(coordinates.expand(z, load), velocity, turn));
 }

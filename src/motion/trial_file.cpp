@@ -167,9 +167,6 @@ void readSpace(SettingsReader& reader, TrialFile& out) {
   }
   if (!out.six) return;
   const bool wings = out.trial.wings.value_or(false);
-  if (wings && out.mount != "boom" && out.mount != "held") {
-    reader.fail("wings", "on with freedom: six and mount " + out.mount, "off, auto, or with mount: boom or held");
-  }
   if (wings && out.axis.wings_follow_travel) reader.fail("solid.wings_follow", "travel with freedom: six", "arm");
   if (out.axis.damping != DampingLaw::TRAVEL && out.axis.damping != DampingLaw::KELVIN_VOIGT) {
     reader.fail("solid.damping", dampingName(out.axis.damping), "travel, kelvin_voigt with freedom: six");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "couple.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/require.h"
 
@@ -16,12 +17,8 @@ namespace {
 
 std::string asker(const std::string& term) { return "term '" + term + "'"; }
 
-/// Adds a symmetric matrix to the first couple of the term that is evaluated.
-void addCouple(const Eigen::MatrixXd& block, Sum& sum) {
-  int place = (*sum.couples)[0];
-  for (Eigen::Index column = 0; column < block.cols(); ++column) {
-    for (Eigen::Index row = column; row < block.rows(); ++row) sum.hessian[place++] += block(row, column);
-  }
+std::shared_ptr<const PinAngle> turningAngle(const std::string& term, std::vector<Turning> bodies) {
+  return std::make_shared<const TurningAngle>(asker(term), std::move(bodies));
 }
 
 bool exact(Order order) { return order == Order::TANGENT; }
@@ -46,15 +43,17 @@ struct OfAngle {
   double potential, moment, slope;
 };
 
-void addOfAngle(const TurningAngle& angle, const Eigen::VectorXd& y, const OfAngle& of, Order order, Sum& sum) {
+/// @param from  start of the step of which `of` is a function of the angle's change; null: of the angle itself
+void addOfAngle(const PinAngle& angle, const Eigen::VectorXd* from, const Eigen::VectorXd& y, const OfAngle& of,
+                Order order, Sum& sum) {
   sum.energy += of.potential;
   if (order == Order::ENERGY) return;
-  const Eigen::VectorXd slope = angle.slope(y);
+  const Eigen::VectorXd slope = from != nullptr ? angle.slopeOver(*from, y) : angle.slope(y);
   for (Eigen::Index k = 0; k < slope.size(); ++k) sum.gradient(angle.coordinates()[k]) += of.moment * slope(k);
   sum.noteForce(std::abs(of.moment) * slope.norm());
   if (!elasticity::withTangent(order)) return;
   Eigen::MatrixXd block = of.slope * slope * slope.transpose();
-  if (exact(order)) block += of.moment * angle.curvature(y);
+  if (exact(order)) block += of.moment * (from != nullptr ? angle.curvatureOver(*from, y) : angle.curvature(y));
   addCouple(block, sum);
 }
 
@@ -160,30 +159,36 @@ void HubTerm::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   addCouple(block, sum);
 }
 
-PinFriction::PinFriction(std::string name, std::vector<Turning> bodies, double moment, double rate)
-    : name_(std::move(name)), angle_(asker(name_), std::move(bodies)), moment_(moment), rate_(rate) {
+PinFriction::PinFriction(const std::string& name, std::vector<Turning> bodies, double moment, double rate)
+    : PinFriction(name, turningAngle(name, std::move(bodies)), moment, rate) {}
+
+PinFriction::PinFriction(std::string name, std::shared_ptr<const PinAngle> angle, double moment, double rate)
+    : name_(std::move(name)), angle_(std::move(angle)), moment_(moment), rate_(rate) {
   common::Require(asker(name_))(moment >= 0 && std::isfinite(moment), "moment", moment, ">= 0 N m");
   common::Require(asker(name_))(rate > 0 && std::isfinite(rate), "rate", rate, "> 0 rad/s");
 }
 
 void PinFriction::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
-  const double h = at.step->h, w = angle_.between(at.step->y0, at.y) / h, root = std::hypot(w, rate_);
-  addOfAngle(angle_, at.y,
+  const double h = at.step->h, w = angle_->between(at.step->y0, at.y) / h, root = std::hypot(w, rate_);
+  addOfAngle(*angle_, &at.step->y0, at.y,
              {h * moment_ * (root - rate_), moment_ * w / root, moment_ * rate_ * rate_ / (root * root * root * h)},
              order, sum);
 }
 
 TurningDrag::TurningDrag(const std::string& name, std::vector<Turning> bodies, double coefficient)
-    : name_(name), angle_(asker(name), std::move(bodies)), coefficient_(coefficient) {
+    : TurningDrag(name, turningAngle(name, std::move(bodies)), coefficient) {}
+
+TurningDrag::TurningDrag(std::string name, std::shared_ptr<const PinAngle> angle, double coefficient)
+    : name_(std::move(name)), angle_(std::move(angle)), coefficient_(coefficient) {
   common::Require(asker(name_))(coefficient >= 0 && std::isfinite(coefficient), "coefficient", coefficient,
                                 ">= 0 N m s2");
 }
 
 void TurningDrag::evaluate(const solver::Point& at, Order order, Sum& sum) const {
   if (at.step == nullptr) return;
-  const double h = at.step->h, w = angle_.between(at.step->y0, at.y) / h, fast = std::abs(w);
-  addOfAngle(angle_, at.y,
+  const double h = at.step->h, w = angle_->between(at.step->y0, at.y) / h, fast = std::abs(w);
+  addOfAngle(*angle_, &at.step->y0, at.y,
              {h * coefficient_ / 3 * fast * fast * fast, coefficient_ * fast * w, 2 * coefficient_ * fast / h}, order,
              sum);
 }
@@ -218,13 +223,16 @@ SmoothCurve::Value SmoothCurve::at(double x) const {
 }
 
 AngleEnergy::AngleEnergy(const std::string& name, std::vector<Turning> bodies, SmoothCurve energy)
-    : name_(name), angle_(asker(name), std::move(bodies)), energy_(std::move(energy)) {}
+    : AngleEnergy(name, turningAngle(name, std::move(bodies)), std::move(energy)) {}
+
+AngleEnergy::AngleEnergy(std::string name, std::shared_ptr<const PinAngle> angle, SmoothCurve energy)
+    : name_(std::move(name)), angle_(std::move(angle)), energy_(std::move(energy)) {}
 
 void AngleEnergy::evaluate(const solver::Point& at, Order order, Sum& sum) const {
-  const SmoothCurve::Value now = energy_.at(angle_.at(at.y));
+  const SmoothCurve::Value now = energy_.at(angle_->at(at.y));
   sum.stored += now.value;
   const double slope = exact(order) ? now.second : std::max(0.0, now.second);
-  addOfAngle(angle_, at.y, {now.value, now.first, slope}, order, sum);
+  addOfAngle(*angle_, nullptr, at.y, {now.value, now.first, slope}, order, sum);
 }
 
 TravelHub::TravelHub(std::string name, const Turning& body, solver::Row travel, SmoothCurve curve, double stiffness)

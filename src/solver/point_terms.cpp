@@ -64,6 +64,24 @@ SpacePoint SpacePoint::between(const SpacePoint& a, const SpacePoint& b) {
   return out;
 }
 
+SpacePoint SpacePoint::direction(const Vector3d& rest, const Rotation& rotation) {
+  SpacePoint out;
+  out.rest_ = rest;
+  out.matrix_.resize(3, 0);
+  for (int j = 0; j < 3; ++j) {
+    if (rest(j) == 0) continue;
+    const Eigen::Index first = out.matrix_.cols();
+    out.matrix_.conservativeResize(3, first + 3);
+    out.matrix_.rightCols<3>() = rest(j) / rotation.length * Matrix3d::Identity();
+    for (int i = 0; i < 3; ++i) out.coordinates_.push_back(rotation.first + i + 3 * j);
+  }
+  return out;
+}
+
+SpacePoint SpacePoint::inAxes(const Matrix3d& axes) const {
+  return {axes.transpose() * rest_, coordinates_, axes.transpose() * matrix_};
+}
+
 Eigen::VectorXd SpacePoint::pick(const Eigen::VectorXd& y) const {
   Eigen::VectorXd own(static_cast<Eigen::Index>(coordinates_.size()));
   for (std::size_t k = 0; k < coordinates_.size(); ++k) own(static_cast<Eigen::Index>(k)) = y(coordinates_[k]);

@@ -191,7 +191,7 @@ TEST(AxisVehicle, RefusesWhatItCannotDo) {
 
 TEST(TrialFile, ShippedOnesLoadAndBadOnesAreRefusedByKey) {
   for (const char* name : {"boom_f_to_q", "boom_q_to_f", "free_f_to_q", "wings_f_to_q", "wings_f_to_q_hover",
-                           "wings_f_to_q_hold", "free_six_weak_rotor", "boom_spin_down"}) {
+                           "wings_f_to_q_hold", "free_six_weak_rotor", "free_six_wings", "boom_spin_down"}) {
     EXPECT_EQ(loadTrial(test::sourceDir() + "/config/trials/" + name + ".yaml").name, name);
   }
   int paper = 0;

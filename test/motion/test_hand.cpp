@@ -101,7 +101,7 @@ TEST(TrialFile, HandAndSpaceAreReadAndRefusedByKeyValueAndRange) {
       {"mount: held\nrung: lumped\nhand: {swing: 0.01}\n", "hand"},
       {"mount: free\nfreedom: six\n", "freedom"},
       {"mount: free\nfreedom: seven\n", "freedom"},
-      {"mount: free\nrung: volumetric\nfreedom: six\nwings: on\n", "wings"},
+      {"mount: free\nrung: volumetric\nfreedom: six\nwings: on\nsolid: {wings_follow: travel}\n", "wings_follow"},
       {"mount: free\nrung: volumetric\nfreedom: six\nsolid: {damping: rayleigh}\n", "damping"},
       {"mount: free\nrung: volumetric\nfreedom: six\npropellers: {scale: [1, 3]}\n", "propellers.scale"},
       {"mount: free\nrung: volumetric\nfreedom: six\npropellers: {sag: 2}\n", "propellers.sag"},

@@ -36,7 +36,7 @@ TEST(PinFriction, IsATermAndHoldsAgainstTheTurning) {
   c.step = &step;
   c.scale = 1e-5;
   test::checkTerm(pin, c);
-  EXPECT_THROW(PinFriction("pin", {}, 1, 1), common::Error);
+  EXPECT_THROW(PinFriction("pin", std::vector<Turning>(), 1, 1), common::Error);
   EXPECT_THROW(PinFriction("pin", {FIRST}, -1, 1), common::Error);
   EXPECT_THROW(PinFriction("pin", {FIRST}, 1, 0), common::Error);
 }

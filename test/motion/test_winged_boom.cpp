@@ -215,7 +215,7 @@ TEST(WingedBoom, RefusesWhatItHasNot) {
   };
   AxisSettings tied = cells();
   tied.wings_follow_travel = true;
-  EXPECT_THROW(made(vehicle::Mount::FREE, cells(), true), common::Error);
+  EXPECT_THROW(made(vehicle::Mount::FREE, cells(), false), common::Error);
   EXPECT_THROW(made(vehicle::Mount::BOOM, tied, true), common::Error);
   EXPECT_THROW(made(vehicle::Mount::BOOM, cells(), false), common::Error);
 }

@@ -166,7 +166,7 @@ class AxisVehicle : public TrialVehicle {
   std::vector<int> groups_;  ///< number of arms that each modelled arm represents; forces refer to one of the first
   std::shared_ptr<const WingLinkage> linkage_;
   WingAssembly wings_;
-  std::vector<std::shared_ptr<const HubTerm>> hubs_;
+  std::vector<std::shared_ptr<const Hub>> hubs_;
   std::shared_ptr<const solver::TermProblem> problem_;
 };
 

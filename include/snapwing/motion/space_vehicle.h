@@ -4,7 +4,7 @@
 /// rotates about the boom's axis, so that the centripetal load acts on centre, arms and wings. World axes: y is the
 /// thrust axis at the start, x points along the first arm (and outwards along the boom), the origin lies on the thrust
 /// axis at the arms' lower edge. The first arm carries the left wing and the opposite arm the right one; on a boom both
-/// lie in its plane of rotation, the left one outside.
+/// lie in its plane of rotation, the left one outside. In free flight their bars turn in space with the ring.
 ///
 /// Full coordinates: nodal displacements in the axes of each arm; c of ring, housing and the wings' bars; then their E
 /// (solver/rotation.h). kept() and leftOut() list what is included and what is neglected.
@@ -33,7 +33,7 @@ struct SpaceSettings {
 class SpaceVehicle : public TrialVehicle {
  public:
   /// @param settings  of the arms: dimension 3; damping TRAVEL or KELVIN_VOIGT, which do not damp rigid rotations
-  /// @param wing  table of the wings, required if they are on (an even number of arms, mount BOOM or HELD)
+  /// @param wing  table of the wings, required if they are on (an even number of arms)
   /// @throws common::Error for anything else, wings that follow the travel, or a hand
   SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::VehicleParameters& parameters,
                const vehicle::Trial& trial, const AxisSettings& settings, const SpaceSettings& space,
@@ -71,6 +71,8 @@ class SpaceVehicle : public TrialVehicle {
   /// Position of the ring's centre at rest [m], and angular velocity of the ring [rad/s], world axes.
   const Eigen::Vector3d& ringCentre() const { return ring_centre_; }
   Eigen::Vector3d ringTurning(const MotionState& s) const;
+  /// Rotation of the ring from rest, world axes.
+  Eigen::Matrix3d ringOrientation(const MotionState& s) const { return orientation(ring_, s.y); }
   Eigen::Vector3d rotorPlace(int rotor) const;  ///< position of a rotor at rest [m], world axes
 
  private:
@@ -101,6 +103,7 @@ class SpaceVehicle : public TrialVehicle {
   };
   void addFollowing(const Followed& at, double factor, const RigidBody& body, std::map<int, double>& terms) const;
   Turning ringTurningAbout(int arm) const;
+  Directions ringDirections(int arm) const;
   double wingAngle(const MotionState& s, int wing, const Eigen::VectorXd& in_ring_frame) const;
   std::vector<std::shared_ptr<const solver::Term>> bodies(const vehicle::VehicleParameters& p) const;
   std::vector<std::shared_ptr<const solver::Term>> forces(const vehicle::VehicleParameters& p) const;
@@ -127,7 +130,7 @@ class SpaceVehicle : public TrialVehicle {
   WingAssembly wings_;
   WingForces wing_forces_;
   Eigen::Vector3d axle_ = Eigen::Vector3d::Zero();  ///< of an arm, in its axes [m]
-  std::vector<std::shared_ptr<const HubTerm>> hubs_;
+  std::vector<std::shared_ptr<const Hub>> hubs_;
   Eigen::Vector3d ring_centre_ = Eigen::Vector3d::Zero();
   std::vector<Arrow> arrows_;
   solver::SpacePoint hub_, strut_;  ///< the ring's centre; vector from a point of the housing to one of the ring

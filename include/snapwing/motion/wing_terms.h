@@ -3,6 +3,7 @@
 /// E = L (R - I) of their rotations. Angles are atan2(E_10, L + E_00), positive about z of their plane.
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,28 +22,52 @@ struct Turning {
   double angle(const Eigen::VectorXd& y) const;  ///< in (-pi, pi] [rad]
 };
 
-/// The angle of a body, or of the first of two bodies relative to the second.
-class TurningAngle {
+/// The angle of a body about a pin's axis as a function of the full coordinates.
+class PinAngle {
  public:
-  TurningAngle() = default;
+  virtual ~PinAngle() = default;
+  virtual const std::vector<int>& coordinates() const = 0;
+  virtual double at(const Eigen::VectorXd& y) const = 0;                  ///< in [-pi, pi] [rad]
+  virtual Eigen::VectorXd slope(const Eigen::VectorXd& y) const = 0;      ///< gradient by coordinates() [1/m]
+  virtual Eigen::MatrixXd curvature(const Eigen::VectorXd& y) const = 0;  ///< second derivatives [1/m2]
+  /// Change of the angle in a step, each body by less than half a turn [rad]; its gradient and second derivatives with
+  /// respect to y.
+  virtual double between(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const = 0;
+  virtual Eigen::VectorXd slopeOver(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const = 0;
+  virtual Eigen::MatrixXd curvatureOver(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const = 0;
+};
+
+/// The angle of a body, or of the first of two bodies relative to the second, in their plane.
+class TurningAngle : public PinAngle {
+ public:
   /// @param asker  first words of messages. @throws common::Error unless there are one or two bodies
   TurningAngle(const std::string& asker, std::vector<Turning> bodies);
-  const std::vector<int>& coordinates() const { return coordinates_; }
-  double at(const Eigen::VectorXd& y) const;                                    ///< in [-pi, pi] [rad]
-  double between(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const;  ///< change of the angle [rad], each
-                                                                                ///< body by less than half a turn
-  Eigen::VectorXd slope(const Eigen::VectorXd& y) const;                        ///< gradient by coordinates() [1/m]
-  Eigen::MatrixXd curvature(const Eigen::VectorXd& y) const;                    ///< second derivatives [1/m2]
+  const std::vector<int>& coordinates() const override { return coordinates_; }
+  double at(const Eigen::VectorXd& y) const override;
+  double between(const Eigen::VectorXd& from, const Eigen::VectorXd& y) const override;
+  Eigen::VectorXd slope(const Eigen::VectorXd& y) const override;
+  Eigen::MatrixXd curvature(const Eigen::VectorXd& y) const override;
+  Eigen::VectorXd slopeOver(const Eigen::VectorXd&, const Eigen::VectorXd& y) const override { return slope(y); }
+  Eigen::MatrixXd curvatureOver(const Eigen::VectorXd&, const Eigen::VectorXd& y) const override {
+    return curvature(y);
+  }
 
  private:
   std::vector<Turning> bodies_;
   std::vector<int> coordinates_;
 };
 
+/// Joint between a wing's crank and its arm.
+class Hub : public solver::Term {
+ public:
+  /// Mean rotation of the arm's nodes less the crank's [rad].
+  virtual double twist(const Eigen::VectorXd& y) const = 0;
+};
+
 /// Stiff spring between a rigid body's rotation and the mean rotation of a soft body's nodes about a point: k/2 g^2,
 ///   g = (s(y) (L + E_00) - c(y) E_10) / (N L),   s, c = N times sine and cosine of that rotation, linear in y.
 /// For small angles g is the angle between both, times the mean stretch of the nodes' distances from the point.
-class HubTerm : public solver::Term {
+class HubTerm : public Hub {
  public:
   /// @param rotation_at_rest  gradient of the mean rotation with respect to the full coordinates at rest [1/m]
   /// @param nodes    full coordinates of the nodes' x displacements; y is the next one
@@ -54,8 +79,7 @@ class HubTerm : public solver::Term {
   Role role() const override { return Role::STORED; }
   std::vector<std::vector<int>> couples() const override { return {coordinates_}; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
-  /// Mean rotation of the nodes less the body's [rad].
-  double twist(const Eigen::VectorXd& y) const;
+  double twist(const Eigen::VectorXd& y) const override;
 
  private:
   Eigen::VectorXd pick(const Eigen::VectorXd& y) const;
@@ -73,15 +97,16 @@ class PinFriction : public solver::Term {
  public:
   /// @param bodies  as of TurningAngle; @param moment  M [N m] >= 0; @param rate  w_0 [rad/s] > 0, below which the
   /// friction is regularised. @throws common::Error
-  PinFriction(std::string name, std::vector<Turning> bodies, double moment, double rate);
+  PinFriction(const std::string& name, std::vector<Turning> bodies, double moment, double rate);
+  PinFriction(std::string name, std::shared_ptr<const PinAngle> angle, double moment, double rate);
   std::string name() const override { return name_; }
   Role role() const override { return Role::DISSIPATION; }
-  std::vector<std::vector<int>> couples() const override { return {angle_.coordinates()}; }
+  std::vector<std::vector<int>> couples() const override { return {angle_->coordinates()}; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
 
  private:
   std::string name_;
-  TurningAngle angle_;
+  std::shared_ptr<const PinAngle> angle_;
   double moment_, rate_;
 };
 
@@ -91,14 +116,15 @@ class TurningDrag : public solver::Term {
  public:
   /// @param bodies  as of TurningAngle; @param coefficient  k [N m s2] >= 0. @throws common::Error
   TurningDrag(const std::string& name, std::vector<Turning> bodies, double coefficient);
+  TurningDrag(std::string name, std::shared_ptr<const PinAngle> angle, double coefficient);
   std::string name() const override { return name_; }
   Role role() const override { return Role::DISSIPATION; }
-  std::vector<std::vector<int>> couples() const override { return {angle_.coordinates()}; }
+  std::vector<std::vector<int>> couples() const override { return {angle_->coordinates()}; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
 
  private:
   std::string name_;
-  TurningAngle angle_;
+  std::shared_ptr<const PinAngle> angle_;
   double coefficient_;
 };
 
@@ -122,14 +148,15 @@ class AngleEnergy : public solver::Term {
  public:
   /// @param bodies  as of TurningAngle; @param energy  [J] of the angle in (-pi, pi) [rad]. @throws common::Error
   AngleEnergy(const std::string& name, std::vector<Turning> bodies, SmoothCurve energy);
+  AngleEnergy(std::string name, std::shared_ptr<const PinAngle> angle, SmoothCurve energy);
   std::string name() const override { return name_; }
   Role role() const override { return Role::STORED; }
-  std::vector<std::vector<int>> couples() const override { return {angle_.coordinates()}; }
+  std::vector<std::vector<int>> couples() const override { return {angle_->coordinates()}; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
 
  private:
   std::string name_;
-  TurningAngle angle_;
+  std::shared_ptr<const PinAngle> angle_;
   SmoothCurve energy_;
 };
 

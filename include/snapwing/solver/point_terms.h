@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "snapwing/solver/rotation.h"
@@ -24,9 +25,17 @@ class SpacePoint {
   SpacePoint(const Eigen::Vector3d& rest, int centre_at, const Rotation& rotation, const Eigen::Vector3d& centre);
   /// a - b: the vector from b to a.
   static SpacePoint between(const SpacePoint& a, const SpacePoint& b);
+  /// @param rest  x at y = 0 [m]; @param coordinates  none twice; @param matrix  A, a column for each coordinate
+  SpacePoint(const Eigen::Vector3d& rest, std::vector<int> coordinates, Eigen::Matrix3Xd matrix)
+      : rest_(rest), coordinates_(std::move(coordinates)), matrix_(std::move(matrix)) {}
+  /// A unit direction that is fixed in a body. @param rest  at rest; @param rotation  of the body
+  static SpacePoint direction(const Eigen::Vector3d& rest, const Rotation& rotation);
+  /// The same vector in other axes. @param axes  orthonormal columns
+  SpacePoint inAxes(const Eigen::Matrix3d& axes) const;
 
   Eigen::Vector3d at(const Eigen::VectorXd& y) const { return rest_ + displacement(y); }      ///< [m]
   Eigen::Vector3d displacement(const Eigen::VectorXd& y) const { return matrix_ * pick(y); }  ///< A y [m]
+  const Eigen::Vector3d& rest() const { return rest_; }                                       ///< x at y = 0 [m]
   const std::vector<int>& coordinates() const { return coordinates_; }
   const Eigen::Matrix3Xd& matrix() const { return matrix_; }  ///< columns of A for coordinates() [1]
   /// gradient += A^T force. [N]
