@@ -92,6 +92,12 @@ Eigen::VectorXd Coordinates::expand(const Eigen::VectorXd& z, const Eigen::Vecto
   return place.y;
 }
 
+int Coordinates::freeOf(int dof) const {
+  const auto& terms = linear_.terms(dof);
+  if (terms.size() != 1 || linear_.dofOfFree(terms.front().first) != dof) return -1;
+  return plain_.empty() ? terms.front().first : plain_[terms.front().first];
+}
+
 Eigen::VectorXd Coordinates::freePart(const Eigen::VectorXd& y, const Eigen::VectorXd& rotations) const {
   const Eigen::VectorXd own = linear_.freePart(y);
   if (groups_.empty()) return own;

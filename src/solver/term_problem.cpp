@@ -143,6 +143,35 @@ void TermProblem::evaluateAt(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
   pull_back_.apply(sum.hessian, out.place, sum.gradient, order == Order::PROJECTED, out.hessian);
 }
 
+namespace {
+
+template <int D>
+void addRotations(const ElasticTerm<D>& term, const Coordinates& coordinates, const Eigen::VectorXd& y,
+                  std::vector<NodeRotation>& nodes) {
+  const mpm::Discretisation<D>& solid = term.solid();
+  const auto rotations = solid.nodeRotations(y.segment(term.first(), solid.dofCount()));
+  for (int n = 0; n < solid.nodeCount(); ++n) {
+    NodeRotation node{{-1, -1, -1}, Eigen::Matrix3d::Identity()};
+    for (int a = 0; a < D; ++a) node.free[a] = coordinates.freeOf(term.first() + D * n + a);
+    node.rotation.topLeftCorner<D, D>() = rotations[n];
+    nodes.push_back(node);
+  }
+}
+
+}  // namespace
+
+std::vector<NodeRotation> TermProblem::nodeRotations(const Evaluation& at) const {
+  std::vector<NodeRotation> nodes;
+  for (const auto& term : parts_.terms) {
+    if (const auto* planar = dynamic_cast<const ElasticTerm<2>*>(term.get())) {
+      addRotations(*planar, *coordinates_, at.place.y, nodes);
+    } else if (const auto* solid = dynamic_cast<const ElasticTerm<3>*>(term.get())) {
+      addRotations(*solid, *coordinates_, at.place.y, nodes);
+    }
+  }
+  return nodes;
+}
+
 void TermProblem::controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                                  Eigen::VectorXd& control_part) const {
   const Eigen::VectorXd dy = coordinates_->push(at.place, Eigen::VectorXd::Zero(freeCount()), dp);

@@ -137,6 +137,11 @@ void checkLinearFields(Kernel kernel, bool split = false) {
   EXPECT_NEAR(at.energy, energy * volume, 1e-10 * at.energy);
   EXPECT_NEAR(at.gradient.sum(), 0, 1e-9 * at.force_scale);
   EXPECT_NEAR(at.min_det_f, stretch.determinant(), 1e-12);
+  // Each node turns as the field does, whatever the stretch.
+  const elasticity::Matrix<D> symmetric = stretch.transpose() * stretch;
+  for (const auto& node : solid.nodeRotations(linearField(solid, elasticity::Matrix<D>(rotation * symmetric)))) {
+    EXPECT_LT((node - rotation).norm(), 1e-12);
+  }
 }
 
 TEST(Discretisation, LinearFieldsLinearPlanar) { checkLinearFields<2>(Kernel::LINEAR); }

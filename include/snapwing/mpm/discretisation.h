@@ -100,6 +100,9 @@ class Discretisation {
 
   /// Deformation gradient at the centre of a cell [1].
   elasticity::Matrix<D> deformationGradient(int cell, const Eigen::VectorXd& u) const;
+  /// Rotation of the solid at each node: orthogonal part of the mean deformation gradient of its cells, weighed by
+  /// their densities; I where that gradient has no positive determinant. @param u  [m], (dofCount x 1)
+  std::vector<elasticity::Matrix<D>> nodeRotations(const Eigen::VectorXd& u) const;
   /// Largest weightedStrain (strain.h) over the cells [1], with the largest principal stretch at each cell's centre.
   double largestStrain(const Eigen::VectorXd& u) const;
 

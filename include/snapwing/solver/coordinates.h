@@ -46,6 +46,8 @@ class Coordinates {
   /// y only [m], (full x 1).
   Eigen::VectorXd expand(const Eigen::VectorXd& z, const Eigen::VectorXd& p,
                          const References* references = nullptr) const;
+  /// Free coordinate that is the full coordinate y_dof itself; -1 if none is.
+  int freeOf(int dof) const;
   /// Free coordinates of y, with the last ones, s [m], given. @param rotations  s, (size of rotationLengths() x 1)
   Eigen::VectorXd freePart(const Eigen::VectorXd& y, const Eigen::VectorXd& rotations) const;
   /// J^T f, J = dy/dz. (free x 1) [N] for f in N

@@ -24,6 +24,7 @@ class ElasticTerm : public Term {
   std::string describe(int cell) const override;
 
   const mpm::Discretisation<D>& solid() const { return *solid_; }
+  int first() const { return first_; }  ///< full coordinate of the solid's first displacement
   std::shared_ptr<const mpm::Discretisation<D>> sharedSolid() const { return solid_; }
 
  private:

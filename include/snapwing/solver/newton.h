@@ -44,8 +44,9 @@ struct NewtonSettings {
   double relative_tolerance = 1e-9;  ///< [1] in (0, 1e-2]
   double roundings = 10;             ///< [1] >= 1: tolerance in units of Evaluation::rounding
   Projection projection = Projection::ON_DEMAND;
-  /// Reuses the factor of an earlier solve while each iteration reduces the residual to a quarter, and assembles no
-  /// tangent meanwhile: for time steps, whose Hessians hardly change. The criterion of convergence is the same.
+  /// Reuses the factor of an earlier solve while each iteration reduces the residual enough, and assembles no tangent
+  /// meanwhile: for time steps, whose Hessians change by little but the solids' rotation. The factor is turned with
+  /// them (Problem::nodeRotations). The criterion of convergence is the same.
   bool keep_factor = false;
   /// Called before each iteration; true stops.
   std::function<bool()> cancelled;
@@ -91,6 +92,7 @@ class Newton {
     patience_ = 0;
     old_factor_serves_ = true;
     factor_is_recent_ = false;
+    turns_.clear();
   }
 
   /// Discards the factor as well: the next solve is that of a new object.
@@ -111,12 +113,22 @@ class Newton {
   bool nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
   bool direction(const Eigen::VectorXd& z, const Held& held, Evaluation& at, Eigen::VectorXd& d, NewtonResult& result);
   double tolerance(const Evaluation& at) const;
+  Eigen::VectorXd turnedSolve(const Eigen::VectorXd& b) const;
+  Eigen::VectorXd alongFactor(const Eigen::VectorXd& residual) const;
+  void learn(const Eigen::VectorXd& step, const Eigen::VectorXd& change);
 
   common::Loan<const Problem> problem_;
   NewtonSettings settings_;
   Cholesky cholesky_;
   Evaluation trial_;
-  int patience_ = 0;  ///< factorisations to wait before an old factor is tried again
+  std::vector<NodeRotation> factor_rotations_;  ///< where the factor was made; with keep_factor
+  struct Secant {
+    Eigen::VectorXd step, change;  ///< of z [m], of the residual [N]
+    double product;                ///< of both [J], > 0
+  };
+  std::vector<Secant> secants_;      ///< since the factor or the solve began, oldest first; with keep_factor
+  std::vector<NodeRotation> turns_;  ///< from there to this solve's first guess; empty: none
+  int patience_ = 0;                 ///< factorisations to wait before an old factor is tried again
   bool old_factor_serves_ = true;
   bool factor_is_recent_ = false;  ///< of an iterate of the current solve
   bool along_ = false;             ///< the next step reuses the factor

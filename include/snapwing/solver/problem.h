@@ -2,6 +2,7 @@
 /// An equilibrium problem: dPi/dz = 0 for a potential Pi(z; p) of free coordinates z at given controls p.
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
 #include <memory>
 #include <string>
@@ -39,6 +40,12 @@ struct Evaluation {
   std::shared_ptr<const ConstraintRows> rows;  ///< dg/dz at z, of order TANGENT; null without
 };
 
+/// A node of a solid: its displacements among the free coordinates, and how far the solid has turned there.
+struct NodeRotation {
+  std::array<int, 3> free;   ///< numbers of free coordinates; -1: eliminated, or none
+  Eigen::Matrix3d rotation;  ///< [1]
+};
+
 class Problem : public common::Lender {
  public:
   virtual ~Problem() = default;
@@ -58,6 +65,8 @@ class Problem : public common::Lender {
   /// At an evaluation of order TANGENT: (d2Pi/dz dp) dp, (free x 1), and (d2Pi/dp2) dp, (controls x 1).
   virtual void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                               Eigen::VectorXd& control_part) const = 0;
+  /// Rotations of the solids' nodes at an evaluation: a factor made elsewhere can be turned by them (Newton).
+  virtual std::vector<NodeRotation> nodeRotations(const Evaluation& /*at*/) const { return {}; }
   /// Absolute tolerance of the residual [N].
   virtual double forceFloor() const = 0;
   /// Changes of the energy below this count as rounding in the line search [J]; 0: only 1e-10 of the energies.

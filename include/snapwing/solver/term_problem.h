@@ -55,6 +55,7 @@ class TermProblem : public Problem {
                   const Eigen::VectorXd* multipliers = nullptr) const;
   void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                       Eigen::VectorXd& control_part) const override;
+  std::vector<NodeRotation> nodeRotations(const Evaluation& at) const override;
   double forceFloor() const override { return parts_.force_floor; }
   double energyFloor() const override { return parts_.energy_floor; }
   std::string describeCell(int cell) const override;
@@ -124,6 +125,7 @@ class StepProblem : public Problem {
                       Eigen::VectorXd& control_part) const override {
     base_->controlTangent(at, dp, free_part, control_part);
   }
+  std::vector<NodeRotation> nodeRotations(const Evaluation& at) const override { return base_->nodeRotations(at); }
   double forceFloor() const override { return base_->forceFloor(); }
   double energyFloor() const override { return base_->energyFloor(); }
   std::string describeCell(int cell) const override { return base_->describeCell(cell); }
