@@ -12,7 +12,8 @@ namespace snapwing::design {
 
 namespace {
 
-constexpr double TRACE_STEP = 0.0025;  ///< [m]
+constexpr double TRACE_STEP = 0.0025;   ///< [m]
+constexpr double RETRACE_STEP = 0.005;  ///< [m]; the path follower halves it where Newton needs it
 
 statics::PathSettings pathSettings(double tolerance) {
   statics::PathSettings settings;
@@ -130,7 +131,7 @@ bool ArmTopology::retrace(Variant& variant) const {
   std::vector<double> targets{0.0};
   std::vector<std::size_t> place;
   for (const double travel : travels_) {
-    while (targets.back() + TRACE_STEP < travel - 1e-6) targets.push_back(targets.back() + TRACE_STEP);
+    while (targets.back() + RETRACE_STEP < travel - 1e-6) targets.push_back(targets.back() + RETRACE_STEP);
     place.push_back(targets.size());
     targets.push_back(travel);
   }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "snapwing/common/elementary.h"
 
@@ -11,8 +12,8 @@ namespace snapwing::design {
 /// Value, gradient and negative curvature of the dual with barrier, and the x that belongs to lambda.
 struct MmaSubproblem::Dual {
   double value = 0;
-  Eigen::VectorXd gradient;  ///< of the dual alone
-  Eigen::MatrixXd curvature;
+  Eigen::VectorXd gradient;   ///< of the dual alone
+  Eigen::MatrixXd curvature;  ///< lower half
   Eigen::VectorXd x;
 };
 
@@ -29,6 +30,28 @@ Eigen::VectorXd MmaSubproblem::primal(const Eigen::VectorXd& lambda) const {
   return x.max(alpha.array()).min(beta.array());
 }
 
+/// Curvature of the dual's smooth part, its lower half. Only variables between their bounds answer to the multipliers,
+/// and most lie on one.
+Eigen::MatrixXd MmaSubproblem::curvatureAt(const Eigen::VectorXd& weight, const Eigen::VectorXd& x) const {
+  std::vector<Eigen::Index> inside;
+  for (Eigen::Index j = 0; j < x.size(); ++j) {
+    if (x(j) > alpha(j) && x(j) < beta(j)) inside.push_back(j);
+  }
+  const Eigen::MatrixXd up = p(inside, Eigen::all), down = q(inside, Eigen::all);
+  const Eigen::ArrayXd above = (high - x)(inside).array().inverse(), below = (x - low)(inside).array().inverse();
+  const Eigen::ArrayXd second = 2 * ((up * weight).array() * above.cube() + (down * weight).array() * below.cube());
+  const Eigen::ArrayXd root = second.sqrt().inverse(), by_above = root * above.square(),
+                       by_below = root * below.square();
+  const Eigen::Index m = weight.size() - 1;
+  Eigen::MatrixXd slope(up.rows(), m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    slope.col(i) = by_above * up.col(i + 1).array() - by_below * down.col(i + 1).array();
+  }
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(m, m);
+  curvature.selfadjointView<Eigen::Lower>().rankUpdate(slope.transpose());
+  return curvature;
+}
+
 MmaSubproblem::Dual MmaSubproblem::dual(const Eigen::VectorXd& lambda, double barrier, bool curvature) const {
   const int m = static_cast<int>(lambda.size());
   Dual d;
@@ -40,15 +63,7 @@ MmaSubproblem::Dual MmaSubproblem::dual(const Eigen::VectorXd& lambda, double ba
   if (!curvature) return d;
   Eigen::VectorXd weight(m + 1);
   weight << 1.0, lambda;
-  const Eigen::ArrayXd above = (high - d.x).array().inverse(), below = (d.x - low).array().inverse();
-  const Eigen::ArrayXd second = 2 * ((p * weight).array() * above.cube() + (q * weight).array() * below.cube());
-  const auto inside = d.x.array() > alpha.array() && d.x.array() < beta.array();
-  const Eigen::ArrayXd inverse = inside.select(second.inverse(), 0.0);
-  Eigen::MatrixXd slope(p.rows(), m);
-  for (int i = 0; i < m; ++i) {
-    slope.col(i) = p.col(i + 1).array() * above.square() - q.col(i + 1).array() * below.square();
-  }
-  d.curvature = slope.transpose() * inverse.matrix().asDiagonal() * slope;
+  d.curvature = curvatureAt(weight, d.x);
   for (int i = 0; i < m; ++i)
     d.curvature(i, i) += (lambda(i) > penalty ? 1.0 : 0.0) + barrier / (lambda(i) * lambda(i));
   return d;

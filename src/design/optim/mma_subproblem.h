@@ -23,6 +23,7 @@ struct MmaSubproblem {
  private:
   struct Dual;
   Eigen::VectorXd primal(const Eigen::VectorXd& lambda) const;
+  Eigen::MatrixXd curvatureAt(const Eigen::VectorXd& weight, const Eigen::VectorXd& x) const;
   Dual dual(const Eigen::VectorXd& lambda, double barrier, bool curvature) const;
 };
 
