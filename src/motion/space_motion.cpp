@@ -156,7 +156,8 @@ std::vector<std::string> SpaceVehicle::leftOut() const {
       "friction of the arms' axles beyond the damping ratio, and sliding of an arm along its axle"};
   if (linkage_) {
     for (const std::string& what : wings_.leftOut(wing_forces_)) out.push_back(what);
-    if (trial_.gravity != 0 || space_.gravity_across != 0 || trial_.initial_thrust_fraction.value_or(0) > 0) {
+    if (trial_.gravity != 0 || space_.gravity_across != 0 || trial_.initial_thrust_fraction.value_or(0) > 0 ||
+        wing_forces_.fold_bias > 0) {
       out.push_back("the wings' load in the equilibrium at the start");
     }
     if (trial_.mount != vehicle::Mount::FREE) {

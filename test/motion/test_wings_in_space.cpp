@@ -1,6 +1,7 @@
 // Wings whose bars turn in space with a free ring: the vehicle in free flight.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -298,6 +299,19 @@ TEST(WingsInSpace, AWingThatSticksRollsTheVehicle) {
   }
   EXPECT_GT(roll[0], 5e-4) << "the left wing swings backwards about z, further than the right one";
   EXPECT_NEAR(roll[0], -roll[1], 1e-6 * std::abs(roll[0])) << "the other way round";
+}
+
+/// What loads the wings at rest is not in the equilibrium at the start, and the vehicle says so.
+TEST(WingsInSpace, SaysThatABiasIsNotInTheStart) {
+  const Smooth smooth;
+  AxisSettings biased = cells();
+  biased.wing_forces.fold_bias = 1e-3;
+  const auto says = [](const SpaceVehicle& v) {
+    const std::vector<std::string> out = v.leftOut();
+    return std::count(out.begin(), out.end(), "the wings' load in the equilibrium at the start");
+  };
+  EXPECT_EQ(says(smooth.inSpace(biased)), 1);
+  EXPECT_EQ(says(smooth.inSpace(cells())), 0);
 }
 
 TEST(WingsInSpace, RefusesWhatItHasNot) {
