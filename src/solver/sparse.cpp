@@ -237,7 +237,7 @@ Eigen::MatrixXd Cholesky::solvePermuted(const Eigen::MatrixXd& right) const {
   const double begin = secondsNow();
   if (impl_->own && definite()) {
     Eigen::MatrixXd x = right;
-    for (Eigen::Index column = 0; column < x.cols(); ++column) impl_->own->solve(x.col(column).data());
+    impl_->own->solve(x.data(), static_cast<int>(x.cols()));
     seconds_solve_ += secondsNow() - begin;
     return x;
   }

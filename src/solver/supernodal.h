@@ -5,6 +5,7 @@
 /// cost more than the arithmetic. Sums run over the columns in their order, without fused multiply-add, so that the
 /// bits are the same on every processor of a kind, however wide its vectors are.
 
+#include <cstddef>
 #include <vector>
 
 struct cholmod_factor_struct;
@@ -20,17 +21,23 @@ class SupernodalFactor {
 
   /// L L^T of the matrix, values in the order of its pattern. @return false if a pivot is not positive
   bool factorize(const std::vector<double>& values);
-  /// Right side in, solution out, of the matrix's size.
-  void solve(double* x) const;
+  /// Right sides in, solutions out, one a column of the matrix's size; several share each sweep over L, and each has
+  /// the bits that it would have alone.
+  void solve(double* x, int count = 1) const;
 
- private:
+  /// Columns that are eliminated together, and the rows below them. A supernode is one or several.
   struct Panel {
     int first = 0, columns = 0;  ///< of the matrix
     int rows = 0;                ///< with those of the diagonal block
+    int stride = 0;              ///< from column to column: whole vectors, filled up with zeros
     std::size_t at = 0;          ///< of its values, columns one after the other
     std::size_t row_at = 0;      ///< of its row numbers
     int below() const { return rows - columns; }
   };
+
+ private:
+  void addPanels(int first, int end, const int* rows, int count);
+  void load(const std::vector<double>& values);
   bool eliminate(const Panel& panel);
   void update(const Panel& panel);
 
@@ -39,6 +46,7 @@ class SupernodalFactor {
   std::vector<int> rows_;           ///< of all panels, ascending in each
   std::vector<int> panel_of_;       ///< of each column
   std::vector<std::size_t> place_;  ///< of each value of the matrix
+  std::vector<int> begin_;          ///< of each panel's values of the matrix
   std::vector<double> values_;      ///< of L, and room behind them that is read but not used
   std::vector<double> inverse_;     ///< 1 / diagonal of L
   std::vector<int> relative_;       ///< work space: a panel's rows in the panel that it is subtracted from

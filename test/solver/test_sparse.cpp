@@ -102,6 +102,22 @@ TEST(Cholesky, SolvesNetsOfEverySize) {
   }
 }
 
+/// One front of each width: blocks of four columns, what is left of them, and several panels of one supernode.
+TEST(Cholesky, SolvesFullFrontsOfEveryWidth) {
+  SparsePattern pattern;
+  std::vector<double> values;
+  for (const int n : {1, 2, 3, 4, 5, 6, 7, 8, 17, 47, 48, 49, 51, 97, 130, 203}) {
+    full(n, pattern, values);
+    Cholesky cholesky(pattern);
+    ASSERT_TRUE(cholesky.factorize(values));
+    const Eigen::MatrixXd right = Eigen::MatrixXd::Random(n, 7), found = cholesky.solve(right);
+    for (int c = 0; c < right.cols(); ++c) {
+      EXPECT_EQ(found.col(c), cholesky.solve(Eigen::VectorXd(right.col(c)))) << "a right side has the same bits alone";
+      EXPECT_LT((pattern.multiply(values, found.col(c)) - right.col(c)).norm(), 1e-13 * right.col(c).norm()) << n;
+    }
+  }
+}
+
 TEST(Cholesky, SolvesWhatIsLeftToCholmod) {
   SparsePattern pattern;
   std::vector<double> values;
