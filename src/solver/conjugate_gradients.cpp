@@ -17,7 +17,8 @@ CgResult conjugateGradients(const SparsePattern& pattern, const std::vector<doub
     if (result.iterations == 1) {
       d = s;
     } else {
-      d = s + product / old_product * d;
+      d *= product / old_product;
+      d += s;
     }
     const Eigen::VectorXd ad = pattern.multiply(values, d);
     const double curvature = d.dot(ad);

@@ -16,6 +16,9 @@ namespace {
 constexpr int CORRECTOR_ITERATIONS = 15;
 constexpr int OUTER_ITERATIONS = 40;
 
+/// Entry of a vector with which no symmetry of a body agrees.
+double unsymmetric(int k) { return common::sin(1.7 * k + 0.3); }
+
 NewtonResult finish(NewtonResult result, SolveStatus status, const std::string& message) {
   result.status = status;
   result.message = message;
@@ -298,6 +301,17 @@ NewtonResult EquilibriumSolver::correctOn(const BranchPlane& plane, Equilibrium&
   return exhausted(result.residual, result);
 }
 
+int EquilibriumSolver::restart(Equilibrium& x) {
+  newton_.forget();
+  probe_.resize(0);
+  return linearise(x);
+}
+
+void EquilibriumSolver::restart() {
+  newton_.restart();
+  probe_.resize(0);
+}
+
 int EquilibriumSolver::linearise(Equilibrium& x) {
   Eigen::VectorXd control_part;
   const Eigen::VectorXd along = driven();
@@ -320,16 +334,37 @@ int EquilibriumSolver::linearise(Equilibrium& x) {
   return 1;
 }
 
+/// A motion w with some of every motion in it, the soft ones above all: F^-1 of a load without symmetry. It serves
+/// while the Hessian makes no much larger load of it. @param load  H w
+void EquilibriumSolver::findProbe(const Equilibrium& x, Eigen::VectorXd& load) {
+  constexpr double STILL_SOFT = 4;
+  Eigen::VectorXd push(x.z.size());
+  for (int k = 0; k < push.size(); ++k) push(k) = unsymmetric(k);
+  const SparsePattern& pattern = problem_->pattern();
+  if (probe_.size() > 0) {
+    load = pattern.multiply(x.at.hessian, probe_);
+    if (load.norm() <= STILL_SOFT * push.norm()) return;
+  }
+  probe_ = newton_.cholesky().solve(push);
+  load = pattern.multiply(x.at.hessian, probe_);
+}
+
 int EquilibriumSolver::lineariseNear(Equilibrium& x) {
-  constexpr double NEAR = 1e-2;
+  constexpr double ACCURACY = 1e-12, SHARE = 1e-2;
   const Cholesky& cholesky = newton_.cholesky();
-  if (constraints_ != nullptr || !(cholesky.distance(x.at.hessian) < NEAR)) return linearise(x);
-  Eigen::VectorXd control_part;
+  if (constraints_ != nullptr || !cholesky.definite()) return linearise(x);
+  Eigen::VectorXd control_part, probe_load;
   const Eigen::VectorXd along = driven();
   problem_->controlTangent(x.at, along, x.load, control_part);
+  findProbe(x, probe_load);
+  // Solved for the slope plus a hundredth of the probe: what converges then shows that no motion is unstable (see
+  // conjugate_gradients.h). Its share is large enough for eigenvalues down to -1e-8 or so to be met.
+  const double share = SHARE * x.load.norm() / probe_load.norm();
   const CgResult cg =
-      conjugateGradients(problem_->pattern(), x.at.hessian, cholesky, -x.load, 1e-12 * x.load.norm(), 12, x.slope);
+      conjugateGradients(problem_->pattern(), x.at.hessian, cholesky, share * probe_load - x.load,
+                         ACCURACY * x.load.norm(), static_cast<int>(cholesky.factorCostInSolves()), x.slope);
   if (!cg.converged) return linearise(x);
+  x.slope -= share * probe_;
   x.multiplier_slope.resize(0);
   x.control_curvature = along.dot(control_part);
   x.negative_pivots = 0;
@@ -364,7 +399,7 @@ Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const 
 double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations) const {
   const Eigen::VectorXd closed = Eigen::VectorXd::Zero(constraintCount());
   mode.resize(x.z.size());
-  for (int k = 0; k < mode.size(); ++k) mode(k) = common::sin(1.7 * k + 0.3);  // no symmetry of a body has this
+  for (int k = 0; k < mode.size(); ++k) mode(k) = unsymmetric(k);
   Eigen::VectorXd next, multipliers;
   double inverse = 0;
   for (int iteration = 0; iteration < iterations; ++iteration) {

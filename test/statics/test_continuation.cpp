@@ -1,5 +1,5 @@
-// What lets a path go on cheaply: guesses, old factors, and the distance that says whether an old factor still speaks
-// for the stability of a point.
+// What lets a path go on cheaply: guesses, old factors, and the probe that tells by an old factor whether a point is
+// stable.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -56,22 +56,35 @@ TEST(ConjugateGradients, SolveWithTheFactorOfANearbyMatrix) {
   EXPECT_FALSE(solver::conjugateGradients(pattern, indefinite, cholesky, b, 1e-10, 60, x).positive);
 }
 
-TEST(Cholesky, DistanceIsThatOfTheLargestRelativeEigenvalue) {
-  const int n = 60;
+/// A load that has no part of the softest motion does not meet its negative curvature, however large: a hundredth of a
+/// probe does, down to eigenvalues that are zero to eight digits.
+TEST(ConjugateGradients, AProbeMeetsEveryNegativeEigenvalue) {
+  const int n = 61;
   const solver::SparsePattern pattern = springPattern(n);
-  solver::Cholesky cholesky(pattern);
-  EXPECT_TRUE(std::isinf(cholesky.distance(springValues(n, 0))));
   const std::vector<double> values = springValues(n, 0);
+  solver::Cholesky cholesky(pattern);
   ASSERT_TRUE(cholesky.factorize(values));
-  EXPECT_LT(cholesky.distance(values), 1e-12);
-  std::vector<double> scaled = values;
-  for (double& value : scaled) value *= 1.05;
-  EXPECT_NEAR(cholesky.distance(scaled), 0.05, 1e-9);
-  // A matrix that has lost its definiteness is at least 1 away, and two steps must see most of it.
-  std::vector<double> lost = values;
-  for (int c = 0; c < n; ++c) lost[pattern.start[c]] -= 0.01;  // the softest eigenvalue is 2 - 2 cos(pi/61) = .0027
-  ASSERT_FALSE(solver::Cholesky(pattern).factorize(lost));
-  EXPECT_GT(cholesky.distance(lost), 1);
+  Eigen::VectorXd soft(n), push(n);
+  for (int c = 0; c < n; ++c) soft(c) = std::sin(M_PI * (c + 1) / (n + 1)), push(c) = std::sin(1.7 * c + 0.3);
+  soft.normalize();
+  const double softest = 2 - 2 * std::cos(M_PI / (n + 1));
+  // Odd, where the softest motion is even.
+  const Eigen::VectorXd load = Eigen::VectorXd::LinSpaced(n, -1, 1);
+  ASSERT_LT(std::abs(load.dot(soft)), 1e-12);
+  const Eigen::VectorXd probe = cholesky.solve(push);
+  for (const double relative : {0.2, 1e-3, -1e-6, -1e-3, -0.2}) {
+    // The softest eigenvalue of F^-1 A, by a shift of all.
+    std::vector<double> shifted = values;
+    for (int c = 0; c < n; ++c) shifted[pattern.start[c]] -= (1 - relative) * softest;
+    const Eigen::VectorXd probe_load = pattern.multiply(shifted, probe);
+    const Eigen::VectorXd right = load + 1e-2 * load.norm() / probe_load.norm() * probe_load;
+    Eigen::VectorXd x;
+    const double tolerance = 1e-12 * load.norm();
+    const auto alone = solver::conjugateGradients(pattern, shifted, cholesky, load, tolerance, 12, x);
+    const auto probed = solver::conjugateGradients(pattern, shifted, cholesky, right, tolerance, 12, x);
+    EXPECT_TRUE(alone.positive) << relative;
+    EXPECT_EQ(probed.positive && probed.converged, relative > 0) << relative;
+  }
 }
 
 Eigen::VectorXd curve(double p) { return Eigen::Vector3d(1 + p, p * p * p - p, std::pow(p, 5) - 2 * std::pow(p, 4)); }

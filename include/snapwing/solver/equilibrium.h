@@ -68,14 +68,12 @@ class EquilibriumSolver {
   /// @return number of factorisations
   int linearise(Equilibrium& x);
   /// Linearises and discards the history: a run resumed here has the same bits (restart point).
-  int restart(Equilibrium& x) {
-    newton_.forget();
-    return linearise(x);
-  }
+  int restart(Equilibrium& x);
   /// Discards the factor as well: the next solve is that of a new object.
-  void restart() { newton_.restart(); }
-  /// As linearise(), without a new factorisation if the Hessian differs by less than 0.01 from the factorised one
-  /// (Cholesky::distance); the inertia is then the same. @return number of factorisations, 0 or 1
+  void restart();
+  /// As linearise(), without a new factorisation if conjugate gradients with the factor at hand find the slope in fewer
+  /// solves than one costs, and meet no negative curvature: a probe in their right side shows that the Hessian is
+  /// positive definite (src/solver/conjugate_gradients.h). @return number of factorisations, 0 or 1
   int lineariseNear(Equilibrium& x);
   /// Evaluates a point that was linearised before and fills in its derivatives from the stored slope, without a factor.
   /// @return false if it is no equilibrium to the tolerance, or if there are constraints
@@ -103,6 +101,7 @@ class EquilibriumSolver {
   bool saddleDirection(const Equilibrium& x, NewtonResult& result, Eigen::VectorXd& dz, Eigen::VectorXd& dl);
   bool saddleStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x);
   bool curvedStep(const Eigen::VectorXd& dz, const Eigen::VectorXd& dl, Equilibrium& x);
+  void findProbe(const Equilibrium& x, Eigen::VectorXd& load);
 
   common::Loan<const Problem> problem_;
   NewtonSettings settings_;
@@ -112,6 +111,7 @@ class EquilibriumSolver {
   mutable Newton newton_;
   TangentSystem system_;
   Evaluation trial_;
+  Eigen::VectorXd probe_;  ///< of lineariseNear() since the last restart; empty before the first
   double seconds_assembly_ = 0;
 };
 

@@ -55,10 +55,6 @@ class Cholesky : public common::Lender {
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   double factorEntries() const;  ///< nnz(L) of the analysis
-  /// Distance of a matrix A from the factorised matrix F: estimate of the largest |eigenvalue| of F^-1 (A - F) [1], by
-  /// two steps of the power method from a soft motion without symmetry. Infinite without a Cholesky factor. If it is
-  /// well below 1, A is positive definite as well.
-  double distance(const std::vector<double>& values) const;
   /// Cost of a factorisation in units of one solve, estimated from the analysis, so that it is the same on each
   /// machine.
   double factorCostInSolves() const;
