@@ -1,6 +1,7 @@
 // A checkpoint is of one program and of one owner; which program computes is read from its code.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "snapwing/common/checkpoint_bytes.h"
@@ -46,6 +47,30 @@ TEST(CheckpointBytes, AreOfOneProgramAndOneOwner) {
     writeFileAtomically(path, start);
     EXPECT_NE(said(path, KIND, "0.1.0+aa", OWNER), "") << start;
   }
+}
+
+TEST(CheckpointBytes, EveryDamagedByteIsFound) {
+  const std::string path = test::ownFolder() + "damaged", bytes = "bytes\nof it";
+  saveCheckpointBytes(bytes, KIND, "0.1.0+aa", OWNER, path);
+  const std::string good = readFile(path), more =
+                                               "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ,.-+#*/"
+                                               "%$!?0123456789abcdefghijklmnopqrstuvwxyzAB";
+  for (std::size_t k = 1; k <= 64 + bytes.size(); ++k) {
+    std::string file = good;
+    file[file.size() - k] ^= 4;
+    writeFileAtomically(path, file);
+    EXPECT_NE(said(path, KIND, "0.1.0+aa", OWNER).find("damaged"), std::string::npos) << k;
+  }
+  for (const std::string& file : {good + std::string(1, 0), good.substr(0, good.size() - 1)}) {
+    writeFileAtomically(path, file);
+    EXPECT_NE(said(path, KIND, "0.1.0+aa", OWNER).find("damaged"), std::string::npos);
+  }
+  // Words of one column in another order.
+  saveCheckpointBytes(more, KIND, "0.1.0+aa", OWNER, path);
+  std::string file = readFile(path);
+  std::swap_ranges(file.end() - 100, file.end() - 92, file.end() - 68);
+  writeFileAtomically(path, file);
+  EXPECT_THROW(loadCheckpointBytes(path, KIND, "0.1.0+aa", OWNER, PATH), FileError);
 }
 
 TEST(ProgramCode, IsOfTheObjectThatHoldsTheAddress) {
