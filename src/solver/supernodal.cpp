@@ -1,9 +1,11 @@
 #include "supernodal.h"
 
 #include <cholmod.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "snapwing/common/wide.h"
 #include "snapwing/solver/sparse.h"
@@ -14,11 +16,12 @@ namespace {
 
 using Panel = SupernodalFactor::Panel;
 
-constexpr int WIDE = 4;           ///< columns of a tile
-constexpr int LANES = 4;          ///< rows of the least tile: strides are multiples of it
-constexpr int MOST_COLUMNS = 48;  ///< of a panel: its part of a tile's sums stays in the nearest caches
-constexpr int MOST_TOGETHER = 4;  ///< right sides in one sweep
-constexpr int LARGEST_TILE = 16;  ///< rows
+constexpr int WIDE = 4;            ///< columns of a tile
+constexpr int LANES = 4;           ///< rows of the least tile: strides are multiples of it
+constexpr int MOST_COLUMNS = 48;   ///< of a panel: its part of a tile's sums stays in the nearest caches
+constexpr int MOST_TOGETHER = 4;   ///< right sides in one sweep
+constexpr std::size_t LONG = 128;  ///< rows of a panel whose columns are prefetched
+constexpr int LARGEST_TILE = 16;   ///< rows
 
 #define SNAPWING_INLINE inline __attribute__((always_inline))
 
@@ -252,8 +255,17 @@ struct Parts {
   double* of[R];
 };
 
+/// Asks for what the next block of columns needs at the same rows. The processor's own guess fails at each column's
+/// end.
+template <int C>
+SNAPWING_INLINE void prefetch(const double* column, std::ptrdiff_t stride, std::ptrdiff_t block) {
+#pragma GCC unroll 4
+  for (int c = 0; c < C; ++c) __builtin_prefetch(column + c * stride + block);
+}
+
 /// Solves with the C columns from j on and takes their share from the rows behind them.
-template <int C, int R>
+/// @tparam AHEAD  columns are so long that it pays to prefetch the next block's
+template <int C, int R, bool AHEAD>
 SNAPWING_INLINE void forwardBlock(const double* first, std::size_t stride, int j, const double* inverse,
                                   const Parts<R>& part) {
   const double* column = first + j * stride;
@@ -274,6 +286,7 @@ SNAPWING_INLINE void forwardBlock(const double* first, std::size_t stride, int j
     }
   }
   for (int i = j + LANES; i < static_cast<int>(stride); i += LANES) {
+    if (AHEAD) prefetch<C>(column + i, static_cast<std::ptrdiff_t>(stride), static_cast<std::ptrdiff_t>(WIDE * stride));
     Four rows[C];
 #pragma GCC unroll 4
     for (int c = 0; c < C; ++c) rows[c] = *reinterpret_cast<const Four*>(column + c * stride + i);
@@ -289,7 +302,7 @@ SNAPWING_INLINE void forwardBlock(const double* first, std::size_t stride, int j
 }
 
 /// Takes from the C columns from j on what the rows behind them make, and solves with their triangle.
-template <int C, int R>
+template <int C, int R, bool AHEAD>
 SNAPWING_INLINE void backwardBlock(const double* first, std::size_t stride, int j, const double* inverse,
                                    const Parts<R>& part) {
   const double* column = first + j * stride;
@@ -300,6 +313,8 @@ SNAPWING_INLINE void backwardBlock(const double* first, std::size_t stride, int 
     for (int c = 0; c < C; ++c) sum[s][c] = Four{};
   }
   for (int i = j + LANES; i < static_cast<int>(stride); i += LANES) {
+    if (AHEAD)
+      prefetch<C>(column + i, static_cast<std::ptrdiff_t>(stride), -static_cast<std::ptrdiff_t>(WIDE * stride));
     Four rows[C];
 #pragma GCC unroll 4
     for (int c = 0; c < C; ++c) rows[c] = *reinterpret_cast<const Four*>(column + c * stride + i);
@@ -328,14 +343,17 @@ template <int R>
 SNAPWING_INLINE void forwardIn(const double* first, std::size_t stride, int columns, const double* inverse,
                                const Parts<R>& part) {
   int j = 0;
-  for (; j + WIDE <= columns; j += WIDE) forwardBlock<WIDE, R>(first, stride, j, inverse, part);
+  for (; j + WIDE <= columns && stride < LONG; j += WIDE) {
+    forwardBlock<WIDE, R, false>(first, stride, j, inverse, part);
+  }
+  for (; j + WIDE <= columns; j += WIDE) forwardBlock<WIDE, R, true>(first, stride, j, inverse, part);
   switch (columns - j) {
     case 3:
-      return forwardBlock<3, R>(first, stride, j, inverse, part);
+      return forwardBlock<3, R, false>(first, stride, j, inverse, part);
     case 2:
-      return forwardBlock<2, R>(first, stride, j, inverse, part);
+      return forwardBlock<2, R, false>(first, stride, j, inverse, part);
     case 1:
-      return forwardBlock<1, R>(first, stride, j, inverse, part);
+      return forwardBlock<1, R, false>(first, stride, j, inverse, part);
     default:
       return;
   }
@@ -347,18 +365,21 @@ SNAPWING_INLINE void backwardIn(const double* first, std::size_t stride, int col
   int j = columns - columns % WIDE;
   switch (columns - j) {
     case 3:
-      backwardBlock<3, R>(first, stride, j, inverse, part);
+      backwardBlock<3, R, false>(first, stride, j, inverse, part);
       break;
     case 2:
-      backwardBlock<2, R>(first, stride, j, inverse, part);
+      backwardBlock<2, R, false>(first, stride, j, inverse, part);
       break;
     case 1:
-      backwardBlock<1, R>(first, stride, j, inverse, part);
+      backwardBlock<1, R, false>(first, stride, j, inverse, part);
       break;
     default:
       break;
   }
-  for (j -= WIDE; j >= 0; j -= WIDE) backwardBlock<WIDE, R>(first, stride, j, inverse, part);
+  for (j -= WIDE; j >= 0 && stride < LONG; j -= WIDE) {
+    backwardBlock<WIDE, R, false>(first, stride, j, inverse, part);
+  }
+  for (; j >= 0; j -= WIDE) backwardBlock<WIDE, R, true>(first, stride, j, inverse, part);
 }
 
 /// One sweep forwards and one back over all panels.
@@ -403,6 +424,18 @@ SNAPWING_INLINE void sweepIn(const std::vector<Panel>& panels, const double* val
   Parts<R> part;
   for (int s = 0; s < R; ++s) part.of[s] = work + s * room;
   sweep<R>(panels, values, inverses, rows, size, part, x);
+}
+
+/// Zeros, in large pages where the system has them and the factor is of several: a sweep goes through all of memory.
+void fillWithZeros(std::size_t count, std::vector<double>& values) {
+  values.reserve(count);
+#ifdef MADV_HUGEPAGE
+  constexpr std::uintptr_t LARGE = 2u << 20;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + LARGE - 1) / LARGE * LARGE;
+  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / LARGE * LARGE;
+  if (end > begin + LARGE) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+  values.assign(count, 0.0);
 }
 
 // The same source for each width of vectors: a processor's tiles differ, the order of each sum does not.
@@ -466,7 +499,7 @@ SupernodalFactor::SupernodalFactor(const cholmod_factor_struct& analysis, const 
   for (const Panel& panel : panels_) longest = std::max(longest, panel.stride);
   // A tile may reach beyond the last row of the last column.
   const Panel& last = panels_.back();
-  values_.assign(last.at + static_cast<std::size_t>(last.columns) * last.stride + LARGEST_TILE, 0.0);
+  fillWithZeros(last.at + static_cast<std::size_t>(last.columns) * last.stride + LARGEST_TILE, values_);
   inverse_.resize(size_);
   relative_.resize(longest);
   work_.resize(static_cast<std::size_t>(MOST_TOGETHER) * (longest + LANES));
