@@ -107,13 +107,36 @@ struct Cholesky::Impl {
     cholmod_factorize(&matrix, factor, &common);
     return common.status == CHOLMOD_OK && factor->minor == factor->n;
   }
+  bool findOrder();
   void permute();
 };
 
-/// Takes the fill-reducing order of the factor and makes it the matrix's own.
+/// Finds the fill-reducing order. Most matrices have the pattern of the one before (a curve's, its features', those of
+/// a design's equilibria), whose order is kept.
+/// @return true if fronts are small enough for the own factor
+bool Cholesky::Impl::findOrder() {
+  // METIS, which finds the separators, draws from the C library's one random sequence, seeded at each start: two
+  // orderings at once would share it, and the order of elimination, so the last digits, would hang on the threads'
+  // timing.
+  static std::mutex ordering;
+  static SparsePattern last;
+  static std::vector<int> last_order;
+  static bool last_own = false;
+  const std::lock_guard<std::mutex> alone(ordering);
+  if (last.size != pattern.size || last.start != pattern.start || last.row != pattern.row) {
+    factor = analyse(CHOLMOD_SIMPLICIAL);
+    last = pattern;
+    last_order.assign(static_cast<const int*>(factor->Perm), static_cast<const int*>(factor->Perm) + pattern.size);
+    last_own = common.fl < OWN_UP_TO;
+    cholmod_free_factor(&factor, &common);
+  }
+  order = last_order;
+  return last_own;
+}
+
+/// Makes the fill-reducing order the matrix's own.
 void Cholesky::Impl::permute() {
   const int n = pattern.size;
-  order.assign(static_cast<const int*>(factor->Perm), static_cast<const int*>(factor->Perm) + n);
   std::vector<int> rank(n);
   for (int k = 0; k < n; ++k) rank[order[k]] = k;
   struct Entry {
@@ -154,17 +177,8 @@ Cholesky::Cholesky(const SparsePattern& pattern) : impl_(std::make_unique<Impl>(
   s.place.resize(pattern.row.size());
   s.setPattern();
   if (pattern.size > 0) {
-    {
-      // METIS, which finds the separators, draws from the C library's one random sequence, seeded at each start: two
-      // orderings at once would share it, and the order of elimination, so the last digits, would hang on the threads'
-      // timing.
-      static std::mutex ordering;
-      const std::lock_guard<std::mutex> alone(ordering);
-      s.factor = s.analyse(CHOLMOD_SIMPLICIAL);
-    }
-    const bool own = s.common.fl < OWN_UP_TO;
+    const bool own = s.findOrder();
     s.permute();
-    cholmod_free_factor(&s.factor, &s.common);
     s.common.method[0].ordering = CHOLMOD_NATURAL;
     s.common.postorder = 0;
     mergeSupernodes(s.common, own);
