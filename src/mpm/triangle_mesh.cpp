@@ -176,7 +176,7 @@ void requireHolesInSolids(const TriangleMesh& mesh, const MeshShape& shape, cons
 
 }  // namespace
 
-ShapePtr makeMesh(TriangleMesh mesh, const std::string& name) {
+ShapePtr makeMesh(const TriangleMesh& mesh, const std::string& name) {
   const MeshDefects d = findDefects(mesh);
   if (mesh.triangles.empty() || d.open + d.shared_more + d.turned + d.degenerate > 0) {
     throw common::Error(name + " encloses no volume: " + std::to_string(d.open) + " open edges, " +

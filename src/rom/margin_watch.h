@@ -33,7 +33,7 @@ class MarginWatch {
   const vehicle::Trial& trial_;
   const Equilibria& equilibria_;
   LoadedBasins basins_;
-  vehicle::Mode start_, target_;
+  vehicle::Mode target_;
   LumpedState last_;
   RelativeLoad last_load_;
   LoadedBarrier last_barrier_;

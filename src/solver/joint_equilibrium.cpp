@@ -16,10 +16,10 @@ namespace {
 constexpr double NO_SCALE = 1e-15;  ///< relative tolerance: the forces' own decides
 
 /// H u = h with the values of h as controls.
-LinearRows rowsOf(ConstraintRows H, std::vector<std::string> names) {
+LinearRows rowsOf(const ConstraintRows& H, std::vector<std::string> names) {
   LinearRows result;
   const auto count = H.rows();
-  result.rows = std::move(H);
+  result.rows = H;
   result.control = MatrixXd::Identity(count, count);
   result.constant = VectorXd::Zero(count);
   result.names = std::move(names);
@@ -43,7 +43,7 @@ void check(const ConstraintRows& H, int dofs, std::size_t names, const JointSett
 }  // namespace
 
 template <int D>
-JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<D>> solid, ConstraintRows H,
+JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<D>> solid, const ConstraintRows& H,
                                       std::vector<std::string> names, const JointSettings& settings)
     : names_(std::move(names)) {
   const int dofs = solid->dofCount();
@@ -56,8 +56,8 @@ JointEquilibrium<D>::JointEquilibrium(std::shared_ptr<const mpm::Discretisation<
                     settings.force_tolerance);
   parts.terms.push_back(load_);
   parts.energy_floor = settings.energy_floor;
-  parts.constraints = std::make_shared<const Constraints>(rowsOf(std::move(H), names_), settings.enforcement,
-                                                          settings.stiffness, settings.gap_tolerance);
+  parts.constraints = std::make_shared<const Constraints>(rowsOf(H, names_), settings.enforcement, settings.stiffness,
+                                                          settings.gap_tolerance);
   problem_ = std::make_shared<const TermProblem>(std::move(parts));
   NewtonSettings newton;
   newton.max_iterations = settings.max_iterations;

@@ -120,7 +120,7 @@ ordered_json headOf(const Work& work) {
           {"then", then}};
 }
 
-void writeSummary(const Work& work, ordered_json summary) {
+void writeSummary(const Work& work, const ordered_json& summary) {
   common::writeFileAtomically(work.path("summary.json"), common::jsonText(summary));
 }
 

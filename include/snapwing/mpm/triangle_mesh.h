@@ -31,7 +31,7 @@ MeshDefects findDefects(const TriangleMesh& mesh);
 /// another is a hole. Reversing the orientation of the whole mesh gives the same body.
 /// @param name  in messages. @throws common::Error naming the defects if the mesh is not closed and consistently
 /// oriented, or if a shell of opposite orientation lies in no other
-ShapePtr makeMesh(TriangleMesh mesh, const std::string& name);
+ShapePtr makeMesh(const TriangleMesh& mesh, const std::string& name);
 /// readStl and makeMesh. @throws common::FileError
 ShapePtr loadStl(const std::string& path, double unit);
 

@@ -47,7 +47,7 @@ class JointEquilibrium {
  public:
   /// @param solid  finished; @param H  (rows x dofs) [1]; @param names  one per row, for messages
   /// @throws common::Error for sizes that do not match, or settings out of range
-  JointEquilibrium(std::shared_ptr<const mpm::Discretisation<D>> solid, ConstraintRows H,
+  JointEquilibrium(std::shared_ptr<const mpm::Discretisation<D>> solid, const ConstraintRows& H,
                    std::vector<std::string> names, const JointSettings& settings);
 
   /// @param f  dead forces [N], (dofs x 1); @param h  [m], (rows x 1); @param guess  initial u [m], (dofs x 1)

@@ -118,7 +118,7 @@ BeamMesh::BeamMesh(const FourBar& bar, const ElasticSettings& s) {
   auxiliary = mesher.at(4, 0);
   for (const GroundPin& pin : s.ground_pins) {
     const int first_bar = pin.body == 0 ? 0 : pin.body == 1 ? 2 : 4;
-    pins.push_back(mesher.at(static_cast<std::size_t>(first_bar + pin.bar), pin.fraction));
+    pins.push_back(mesher.at(static_cast<std::size_t>(first_bar) + static_cast<std::size_t>(pin.bar), pin.fraction));
   }
 }
 
