@@ -50,7 +50,7 @@ Eigen::VectorXd SparsePattern::multiply(const std::vector<double>& values, const
 namespace {
 
 /// Up to so many operations the own factor is the faster one, CHOLMOD's with BLAS beyond [1].
-constexpr double OWN_UP_TO = 1e9;
+constexpr double OWN_UP_TO = 8e9;
 
 /// Shares of zeros that a supernode of so many columns may hold. The own factor, whose panels cost no calls, wants few;
 /// CHOLMOD more than its own choice.
