@@ -156,7 +156,7 @@ TEST(Cholesky, SolvesAndKnowsDefiniteness) {
 TEST(Cholesky, RegionsOfOneThreadAreCalls) {
   SparsePattern pattern;
   std::vector<double> values;
-  full(1500, pattern, values);  // so large that CHOLMOD does it
+  full(3000, pattern, values);  // so large that CHOLMOD does it
   Cholesky cholesky(pattern);
   const long before = SerialRegions::called();
   ASSERT_TRUE(cholesky.factorize(values));
