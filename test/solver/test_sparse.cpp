@@ -52,6 +52,8 @@ void lowerTriangle(const Eigen::MatrixXd& dense, SparsePattern& pattern, std::ve
   }
 }
 
+constexpr int LEFT_TO_CHOLMOD = 3000;  ///< unknowns of a full matrix that the own factor does not take
+
 /// A matrix without zeros: n on the diagonal, and little beside it.
 void full(int n, SparsePattern& pattern, std::vector<double>& values) {
   lowerTriangle(Eigen::MatrixXd::NullaryExpr(
@@ -121,10 +123,10 @@ TEST(Cholesky, SolvesFullFrontsOfEveryWidth) {
 TEST(Cholesky, SolvesWhatIsLeftToCholmod) {
   SparsePattern pattern;
   std::vector<double> values;
-  full(1500, pattern, values);
+  full(LEFT_TO_CHOLMOD, pattern, values);
   Cholesky cholesky(pattern);
   ASSERT_TRUE(cholesky.factorize(values));
-  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(1500, -1, 2);
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(LEFT_TO_CHOLMOD, -1, 2);
   EXPECT_LT((pattern.multiply(values, cholesky.solve(right)) - right).norm(), 1e-12 * right.norm());
 }
 
@@ -156,7 +158,7 @@ TEST(Cholesky, SolvesAndKnowsDefiniteness) {
 TEST(Cholesky, RegionsOfOneThreadAreCalls) {
   SparsePattern pattern;
   std::vector<double> values;
-  full(3000, pattern, values);  // so large that CHOLMOD does it
+  full(LEFT_TO_CHOLMOD, pattern, values);
   Cholesky cholesky(pattern);
   const long before = SerialRegions::called();
   ASSERT_TRUE(cholesky.factorize(values));
