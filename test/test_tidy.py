@@ -46,9 +46,9 @@ def database(build):
     entries = json.loads((pathlib.Path(build) / "compile_commands.json").read_text())
     found = {}
     for entry in entries:
-        command = re.sub(r" -Winvalid-pch| -include \S*cmake_pch\.hxx(?:\.\w+)?| -fpch-\S+", "", entry["command"])
+        command = re.sub(r" -Winvalid-pch| -Wno-maybe-uninitialized| -include \S*cmake_pch\.hxx(?:\.\w+)?| -fpch-\S+", "", entry["command"])
         name = os.path.relpath(os.path.join(entry["directory"], entry["file"]), ROOT)
-        if not name.startswith("..") and not name.startswith(os.path.relpath(build, ROOT)):
+        if name.endswith(".cpp") and not name.startswith("..") and not name.startswith(os.path.relpath(build, ROOT)):
             found[name] = {"directory": entry["directory"], "file": entry["file"], "command": command}
     return found
 

@@ -216,6 +216,7 @@ SNAPWING_INLINE void subtractIn(const double* lower, std::size_t stride, int col
 }
 
 // The same source for each width of vectors: a processor's tiles differ, the order of each sum does not.
+// NOLINTBEGIN(bugprone-macro-parentheses): an attribute cannot stand in parentheses
 #define SNAPWING_VARIANT(TARGET, WIDTH)                                                                          \
   TARGET bool eliminatePanel(double* first, std::size_t stride, int columns, double* inverse) {                  \
     return eliminateIn<WIDTH>(first, stride, columns, inverse);                                                  \
@@ -224,6 +225,7 @@ SNAPWING_INLINE void subtractIn(const double* lower, std::size_t stride, int col
                             const Target& to) {                                                                  \
     subtractIn<WIDTH>(lower, stride, columns, begin, end, below, to);                                            \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 #ifdef SNAPWING_BY_PROCESSOR
 SNAPWING_VARIANT(__attribute__((target("avx512f"))), ByEight)

@@ -84,7 +84,7 @@ TEST(WingBlade, MassIsTheSumOfItsPartsAndInertiaMatchesPoints) {
   const MassProperties mass = blade.massAt(*pose);
   EXPECT_NEAR(mass.mass, film + ribs + rod + bars, 1e-12);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(mass.inertia);
-  const Vector3d I = eigen.eigenvalues();
+  const Vector3d& I = eigen.eigenvalues();
   EXPECT_GT(I[0], 0);
   EXPECT_LE(I[2], I[0] + I[1] + 1e-15);
   // Only the rod: heavy by far, so that the whole is a uniform thin rod about its middle.
