@@ -13,7 +13,7 @@
 #include "supernodal.h"
 
 // OpenBLAS's own entry point; its header clashes with others, so that only this one function is declared.
-extern "C" void openblas_set_num_threads(int count);  // NOLINT(readability-identifier-naming)
+extern "C" void openblas_set_num_threads(int count);
 
 namespace snapwing::solver {
 

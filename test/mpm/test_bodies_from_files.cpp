@@ -123,7 +123,8 @@ TEST(Stl, SphereHasItsVolume) {
   const int n = 50;
   int inside = 0;
   for (int c = 0; c < n * n * n; ++c) {
-    const Point3 p((c % n + 0.5) / n * 2 - 1, (c / n % n + 0.5) / n * 2 - 1, (c / (n * n) + 0.5) / n * 2 - 1);
+    const int i = c % n, j = c / n % n, k = c / (n * n);
+    const Point3 p((i + 0.5) / n * 2 - 1, (j + 0.5) / n * 2 - 1, (k + 0.5) / n * 2 - 1);
     inside += shape->contains(p) ? 1 : 0;
   }
   EXPECT_NEAR(8.0 * inside / (n * n * n), exact, 2e-3 * exact);

@@ -150,7 +150,8 @@ TEST(SceneInputs, MeanPinHoldsTheMean) {
   int count = 0;
   const int n = 24;
   for (int k = 0; k < n * n; ++k) {
-    const double x = 0.1 + 1.8 * (k % n + 0.5) / n, y = 0.1 + 1.8 * (k / n + 0.5) / n;
+    const int column = k % n, row = k / n;
+    const double x = 0.1 + 1.8 * (column + 0.5) / n, y = 0.1 + 1.8 * (row + 0.5) / n;
     if (std::hypot(x - 1, y - 1) > 0.9) continue;
     text += "  - {name: m" + std::to_string(count++) + ", at: [" + std::to_string(x) + ", " + std::to_string(y) +
             "], direction: [1, 0]}\n";

@@ -32,7 +32,8 @@ Eigen::VectorXd rigidRate(const Eigen::Vector3d& speed, const Eigen::Vector3d& s
 class Stepper {
  public:
   enum class Test { MEAN, END };
-  Stepper(std::shared_ptr<const TermProblem> problem, double h, Test test) : problem_(problem), h_(h), test_(test) {
+  Stepper(const std::shared_ptr<const TermProblem>& problem, double h, Test test)
+      : problem_(problem), h_(h), test_(test) {
     z_ = Eigen::VectorXd::Zero(problem->freeCount());
     y = problem->coordinates().expand(z_, Eigen::VectorXd());
     v = Eigen::VectorXd::Zero(y.size());

@@ -372,7 +372,7 @@ std::string thinBody(const vehicle::Vehicle& vehicle) {
   const double lost = 0.2e-3 / body.cell_size;
   const auto at = [&](int i, int j) {
     if (i < 0 || j < 0 || i >= columns || j >= rows) return 0.0;
-    return body.value[static_cast<std::size_t>(j * columns + i)];
+    return body.value[static_cast<std::size_t>(j) * columns + i];
   };
   const std::string path = test::ownFolder() + "thin.csv";
   std::ofstream out(path);
