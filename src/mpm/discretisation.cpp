@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "centre_gradients.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
 #include "snapwing/mpm/strain.h"
@@ -238,21 +239,6 @@ Vector<D> Discretisation<D>::displacementAt(int body, const Vector<D>& point, co
   return result;
 }
 
-namespace {
-
-/// Deformation gradient where the basis functions have these slopes, one a column.
-template <int D>
-elasticity::Matrix<D> gradientBy(const Discretisation<D>& solid, const Eigen::Matrix<double, D, Eigen::Dynamic>& slope,
-                                 int cell, const Eigen::VectorXd& u) {
-  elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
-  for (int a = 0; a < solid.stencil(); ++a) {
-    f += u.template segment<D>(D * solid.cellNodes(cell)[a]) * slope.col(a).transpose();
-  }
-  return f;
-}
-
-}  // namespace
-
 template <int D>
 elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eigen::VectorXd& u) const {
   Eigen::VectorXd value;
@@ -263,20 +249,12 @@ elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eig
 
 template <int D>
 double Discretisation<D>::largestStrain(const Eigen::VectorXd& u) const {
-  Eigen::VectorXd value;
-  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
   double largest = 0;
-  int body = -1;
-  for (int cell = 0; cell < cellCount(); ++cell) {
-    if (cell_body_[cell] != body) {
-      body = cell_body_[cell];
-      grids_[body].weights(Vector<D>::Constant(0.5), value, slope);
-    }
-    const elasticity::Matrix<D> f = gradientBy<D>(*this, slope, cell, u);
+  eachCentreGradient(*this, u, [&](int cell, const elasticity::Matrix<D>& f) {
     Eigen::SelfAdjointEigenSolver<elasticity::Matrix<D>> squares;
     squares.computeDirect(f.transpose() * f, Eigen::EigenvaluesOnly);
     largest = std::max(largest, weightedStrain(cells_[cell].density, std::sqrt(squares.eigenvalues()(D - 1))));
-  }
+  });
   return largest;
 }
 

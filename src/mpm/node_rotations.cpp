@@ -2,8 +2,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "centre_gradients.h"
 #include "snapwing/common/elementary.h"
-#include "snapwing/mpm/discretisation.h"
 
 namespace snapwing::mpm {
 
@@ -30,18 +30,9 @@ elasticity::Matrix<D> polarRotation(const elasticity::Matrix<D>& f) {
 template <int D>
 std::vector<elasticity::Matrix<D>> Discretisation<D>::nodeRotations(const Eigen::VectorXd& u) const {
   std::vector<elasticity::Matrix<D>> mean(static_cast<std::size_t>(nodeCount()), elasticity::Matrix<D>::Zero());
-  Eigen::VectorXd value;
-  Eigen::Matrix<double, D, Eigen::Dynamic> slope;
-  int body = -1;
-  for (int c = 0; c < cellCount(); ++c) {
-    if (cell_body_[c] != body) {
-      body = cell_body_[c];
-      grids_[body].weights(Vector<D>::Constant(0.5), value, slope);
-    }
-    elasticity::Matrix<D> f = elasticity::Matrix<D>::Identity();
-    for (int a = 0; a < stencil_; ++a) f += u.template segment<D>(D * cellNodes(c)[a]) * slope.col(a).transpose();
-    for (int a = 0; a < stencil_; ++a) mean[cellNodes(c)[a]] += cells_[c].density * f;
-  }
+  eachCentreGradient(*this, u, [&](int cell, const elasticity::Matrix<D>& f) {
+    for (int a = 0; a < stencil_; ++a) mean[cellNodes(cell)[a]] += cells_[cell].density * f;
+  });
   for (elasticity::Matrix<D>& f : mean) {
     // Newton's iteration ends in few rounds from about unit size.
     const double size = common::pow(std::abs(f.determinant()), 1.0 / D);

@@ -286,7 +286,8 @@ NewtonResult Newton::solve(const Eigen::VectorXd& p, Eigen::VectorXd& z, Evaluat
       return finish(SolveStatus::SINGULAR,
                     "the Hessian has no Cholesky factor even when projected: is every body supported?");
     }
-    const Eigen::VectorXd z_before = z, residual_before = at.residual;
+    Eigen::VectorXd z_before, residual_before;
+    if (settings_.keep_factor) z_before = z, residual_before = at.residual;
     const bool stepped = lineSearch(p, multipliers, d, z, at);
     if (stepped && settings_.keep_factor) learn(z - z_before, at.residual - residual_before);
     if (!stepped) {

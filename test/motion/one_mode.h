@@ -26,6 +26,16 @@ inline motion::StepperSettings equalSteps(double h, double tolerance = 1e-9) {
   return settings;
 }
 
+/// A midpoint step of 2 ms from rest at y0.
+inline solver::Step stepFrom(const Eigen::VectorXd& y0) {
+  solver::Step step;
+  step.h = 2e-3;
+  step.kappa = 2 / (step.h * step.h);
+  step.y0 = y0;
+  step.v0 = 0 * y0;
+  return step;
+}
+
 inline motion::ControlOf nothing() {
   return [](double, double) { return Eigen::VectorXd(); };
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "one_mode.h"
 #include "ring_with_linkage.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/stepper.h"
@@ -71,15 +72,6 @@ VectorXd gradientOf(const solver::Term& term, const VectorXd& y, const solver::S
   return sum.gradient;
 }
 
-solver::Step stepFrom(const VectorXd& y0) {
-  solver::Step step;
-  step.h = 2e-3;
-  step.kappa = 2 / (step.h * step.h);
-  step.y0 = y0;
-  step.v0 = 0 * y0;
-  return step;
-}
-
 const Matrix3d TILTED = about({1, 2, -1}, 2.1), FURTHER = about({0.3, -1, 0.5}, 0.12) * TILTED;
 
 TEST(SpaceAngle, ItsTermsPassTheBatteryAndTurnNothingAsAWhole) {
@@ -87,7 +79,7 @@ TEST(SpaceAngle, ItsTermsPassTheBatteryAndTurnNothingAsAWhole) {
   EXPECT_NEAR(angle->at(bodiesAt(TILTED, 0.7)), 0.7, 1e-12);
   EXPECT_NEAR(angle->at(bodiesAt(TILTED, -2.9, 0.98)), -2.9, 1e-12);
   const VectorXd start = bodiesAt(TILTED, 0.4);
-  const solver::Step step = stepFrom(start);
+  const solver::Step step = test::stepFrom(start);
   const std::vector<VectorXd> places{bodiesAt(FURTHER, 0.47), bodiesAt(TILTED, 0.36), bodiesAt(FURTHER, 0.4)};
   const PinFriction pin("pin", angle, 2e-4, 0.6);
   const TurningDrag air("air", angle, 5e-5);

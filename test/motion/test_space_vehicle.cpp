@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "one_mode.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/axis_trial.h"
 #include "snapwing/motion/space_vehicle.h"
@@ -36,13 +37,6 @@ AxisSettings cells(double size = 0.004) {
   return settings;
 }
 
-StepperSettings stepsOf(double h, double tolerance = 1e-9) {
-  StepperSettings settings;
-  settings.largest_step = h;
-  settings.relative_tolerance = tolerance;
-  return settings;
-}
-
 SpaceVehicle vehicleOf(vehicle::Mount mount, const SpaceSettings& space = {}, double speed = 0) {
   const Shipped s;
   vehicle::Trial trial = trialOn(mount);
@@ -53,7 +47,7 @@ SpaceVehicle vehicleOf(vehicle::Mount mount, const SpaceSettings& space = {}, do
 /// Steps under steady thrusts of the rotors [N].
 MotionState flown(const SpaceVehicle& vehicle, const Stepper& like, MotionState state, double until,
                   const Eigen::VectorXd& thrusts, double h = 1e-3) {
-  Stepper stepper(vehicle.problem(), like.scheme(), stepsOf(h));
+  Stepper stepper(vehicle.problem(), like.scheme(), test::equalSteps(h));
   while (state.time < until) stepper.step(state, until, [&](double, double) { return thrusts; });
   return state;
 }
@@ -73,8 +67,8 @@ TEST(SpaceVehicle, AnEvenTrialIsThatAlongTheAxis) {
     const AxisVehicle axis(s.vehicle, s.parameters, trial, half);  // half of the thickness by symmetry
     const SpaceVehicle space(s.vehicle, s.parameters, trial, cells(0.0025), {});
     EXPECT_NEAR(space.armMass(), axis.armMass(), 1e-12);
-    Stepper one(axis.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(2e-3)),
-        other(space.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(2e-3));
+    Stepper one(axis.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(2e-3)),
+        other(space.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(2e-3));
     MotionState a = axis.start(vehicle::Mode::FIXED_WING, 0), b = space.start(vehicle::Mode::FIXED_WING, 0);
     const double thrust = 0.6 * s.parameters.max_thrust;
     double moved = 0;
@@ -97,7 +91,7 @@ TEST(SpaceVehicle, AnEvenTrialIsThatAlongTheAxis) {
 /// Shaken and spun, with the loss of the travel on: both momenta stay.
 TEST(SpaceVehicle, FreeItKeepsBothMomenta) {
   const SpaceVehicle v = vehicleOf(vehicle::Mount::FREE);
-  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3, 1e-12));
+  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3, 1e-12));
   MotionState s = v.start(vehicle::Mode::FIXED_WING, 0);
   Eigen::VectorXd rates = v.rigidRates(s.y, Vector3d(0.3, -0.2, 0.1), Vector3d(3, 8, -2));
   rates.segment<3>(rates.size() - 21) += Vector3d(0.1, -0.5, 0.05);  // the housing goes its own way
@@ -121,7 +115,7 @@ TEST(SpaceVehicle, AWeakRotorTiltsItByTheTorqueOfTheOthers) {
   SpaceSettings space;
   space.rotor_scale = {1, 1, 1, 0.9};
   const SpaceVehicle v = vehicleOf(vehicle::Mount::FREE, space);
-  const Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  const Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3));
   const double time = 0.01, thrust = 16;
   const Eigen::VectorXd each = v.controls(0, 1e-3, thrust);
   EXPECT_NEAR(each(3), 0.9 * each(0), 1e-12);
@@ -141,7 +135,7 @@ TEST(SpaceVehicle, PropellersTurnItAndLoseThrustWithSpeed) {
   space.rotor_scale = {1, 0, 1, 0};
   space.moment_per_thrust = 0.012;
   const SpaceVehicle yawing = vehicleOf(vehicle::Mount::FREE, space);
-  const Stepper a(yawing.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  const Stepper a(yawing.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3));
   Eigen::VectorXd each = yawing.controls(0, 1e-3, 16);
   const MotionState yawed = flown(yawing, a, yawing.start(vehicle::Mode::FIXED_WING, 0), time, each);
   const double wanted = time * 0.012 * each.sum();
@@ -150,7 +144,7 @@ TEST(SpaceVehicle, PropellersTurnItAndLoseThrustWithSpeed) {
   space = {};
   space.no_thrust_speed = 20;
   const SpaceVehicle fast = vehicleOf(vehicle::Mount::FREE, space, 15);
-  const Stepper b(fast.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  const Stepper b(fast.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3));
   const MotionState start = fast.start(vehicle::Mode::FIXED_WING, 0);
   const double full = Shipped().parameters.max_thrust;
   each =
@@ -167,7 +161,7 @@ TEST(SpaceVehicle, ABatteryThatSagsTakesItsShareOfTheThrust) {
   SpaceSettings space;
   space.sag = sag;
   const SpaceVehicle v = vehicleOf(vehicle::Mount::FREE, space);
-  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3));
   ThrustHistory thrust(0, tau, tau);
   thrust.demand(0, asked);
   MotionState s = v.start(vehicle::Mode::FIXED_WING, 0);
@@ -185,7 +179,7 @@ TEST(SpaceVehicle, ABatteryThatSagsTakesItsShareOfTheThrust) {
 TEST(SpaceVehicle, ABoomTurnsAndItsCentreIsPulledOutwards) {
   const double length = Shipped().vehicle.boom.length.value, speed = 6, time = 0.01;
   const SpaceVehicle v = vehicleOf(vehicle::Mount::BOOM, {}, speed);
-  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3, 1e-12));
+  Stepper stepper(v.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3, 1e-12));
   const Vector3d pivot = v.ringCentre() - length * Vector3d::UnitX();
   MotionState s = v.start(vehicle::Mode::FIXED_WING, 0);
   EXPECT_NEAR(v.sample(s).ring_speed, speed, 1e-9);
@@ -206,7 +200,7 @@ TEST(SpaceVehicle, ABoomTurnsAndItsCentreIsPulledOutwards) {
   SpaceSettings across;
   across.gravity_across = -speed * speed / length;
   const SpaceVehicle held = vehicleOf(vehicle::Mount::HELD, across);
-  const Stepper other(held.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  const Stepper other(held.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3));
   const MotionState pulled =
       flown(held, other, held.start(vehicle::Mode::FIXED_WING, 0), time, Eigen::VectorXd::Zero(4));
   const double wanted = pulled.y(housing);
@@ -216,7 +210,7 @@ TEST(SpaceVehicle, ABoomTurnsAndItsCentreIsPulledOutwards) {
 
   // Steady thrust at its tip: T length t of angular momentum.
   const SpaceVehicle pushed = vehicleOf(vehicle::Mount::BOOM);
-  const Stepper third(pushed.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3));
+  const Stepper third(pushed.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3));
   const Eigen::VectorXd each = pushed.controls(0, 1e-3, 10);
   const MotionState turned = flown(pushed, third, pushed.start(vehicle::Mode::FIXED_WING, 0), time, each);
   EXPECT_NEAR(angularAbout(pushed, third, turned, pivot)(2), 10 * length * time, 1e-6 * 10 * length * time);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "one_mode.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/wing_terms.h"
 #include "support/term_check.h"
@@ -20,17 +21,8 @@ Eigen::VectorXd at(double a, double b, double stretch = 1) {
   return y;
 }
 
-solver::Step stepFrom(const Eigen::VectorXd& y0) {
-  solver::Step step;
-  step.h = 2e-3;
-  step.kappa = 2 / (step.h * step.h);
-  step.y0 = y0;
-  step.v0 = 0 * y0;
-  return step;
-}
-
 TEST(PinFriction, IsATermAndHoldsAgainstTheTurning) {
-  const solver::Step step = stepFrom(at(0.4, -0.2));
+  const solver::Step step = test::stepFrom(at(0.4, -0.2));
   const PinFriction pin("pin", {FIRST, SECOND}, 2e-4, 0.6);
   test::TermCase c{solver::HessianLayout(4), {at(0.45, -0.1, 0.99), at(0.4, -0.21), at(0.4, -0.2)}};
   c.step = &step;
@@ -51,7 +43,7 @@ TEST(TurningAngle, IsThatByTheOtherBodyAlsoFromBehind) {
   EXPECT_NEAR(same.between(at(3.1, 3.0), at(-3.1, -3.0)), 2 * (3.0 - 3.1), 1e-12) << "through half a turn";
   const AngleEnergy flexure("flexure", {FIRST, behind}, SmoothCurve({-0.1, 0.2, 0.5, 1}, {1e-4, 0, 3e-4, 2e-3}));
   test::checkTerm(flexure, {solver::HessianLayout(4), {at(0.2, 0.11), at(0.8, -0.18, 0.98), at(0.4, 1)}});
-  const solver::Step step = stepFrom(at(0.4, -0.2));
+  const solver::Step step = test::stepFrom(at(0.4, -0.2));
   const PinFriction pin("pin", {FIRST, behind}, 2e-4, 0.6);
   test::TermCase c{solver::HessianLayout(4), {at(0.45, -0.1, 0.99), at(0.4, -0.21)}};
   c.step = &step;
@@ -70,7 +62,7 @@ TEST(AngleEnergy, IsATermWithinAndBeyondItsPoints) {
 }
 
 TEST(TurningDrag, IsATermOfTheRateSquared) {
-  const solver::Step step = stepFrom(at(0.4, -0.2));
+  const solver::Step step = test::stepFrom(at(0.4, -0.2));
   const TurningDrag air("air", {FIRST, SECOND}, 5e-5);
   test::TermCase c{solver::HessianLayout(4), {at(0.45, -0.1, 0.99), at(0.4, -0.21), at(0.43, -0.2)}};
   c.step = &step;

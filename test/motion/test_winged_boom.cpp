@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "one_mode.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/space_vehicle.h"
 #include "snapwing/motion/trial_file.h"
@@ -49,10 +50,7 @@ AxisSettings cells(double size = 0.004) {
 }
 
 Stepper stepperOf(const TrialVehicle& v, double h, double tolerance = 1e-9) {
-  StepperSettings settings;
-  settings.largest_step = h;
-  settings.relative_tolerance = tolerance;
-  return {v.problem(), Scheme(SchemeKind::MIDPOINT), settings};
+  return {v.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(h, tolerance)};
 }
 
 /// Steps of h under a steady thrust. @return what the scheme fed or ate [J]

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "one_mode.h"
 #include "ring_with_linkage.h"
 #include "snapwing/common/error.h"
 #include "snapwing/motion/space_vehicle.h"
@@ -49,15 +50,8 @@ AxisSettings cells(double size = 0.004) {
   return settings;
 }
 
-StepperSettings stepsOf(double h, double tolerance = 1e-9) {
-  StepperSettings settings;
-  settings.largest_step = h;
-  settings.relative_tolerance = tolerance;
-  return settings;
-}
-
 Stepper stepperOf(const TrialVehicle& v, double h, double tolerance = 1e-9) {
-  return {v.problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(h, tolerance)};
+  return {v.problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(h, tolerance)};
 }
 
 /// Steps of h under a steady thrust. @return what the scheme fed or ate [J]
@@ -99,7 +93,7 @@ TEST(WingsInSpace, AnEvenTrialIsThatAlongTheAxisAndThatOfWingsInAPlane) {
   std::vector<std::unique_ptr<Stepper>> steppers;
   for (const TrialVehicle* v : vehicles) {
     states.push_back(v->start(vehicle::Mode::FIXED_WING, 0));
-    steppers.push_back(std::make_unique<Stepper>(v->problem(), Scheme(SchemeKind::MIDPOINT), stepsOf(1e-3)));
+    steppers.push_back(std::make_unique<Stepper>(v->problem(), Scheme(SchemeKind::MIDPOINT), test::equalSteps(1e-3)));
   }
   for (int k = 1; k <= 15; ++k) {
     std::vector<AxisSample> at;
