@@ -17,6 +17,7 @@ if(snapwing_lcm_options)
   set_target_properties(PkgConfig::LCM PROPERTIES INTERFACE_COMPILE_OPTIONS "${snapwing_lcm_options}")
 endif()
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
+include(SnapwingHdf5)
 find_package(PNG REQUIRED)
 find_program(LCM_GEN lcm-gen REQUIRED)
 

@@ -14,7 +14,6 @@ endif()
 
 install(TARGETS ${snapwing_libraries} snapwing_lcm EXPORT snapwingTargets LIBRARY DESTINATION ${snapwing_lib})
 install(TARGETS ${snapwing_programs} RUNTIME DESTINATION ${snapwing_bin})
-install(TARGETS snapwing_predict LIBRARY DESTINATION ${snapwing_bin})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/lcm_types/snapwing_lcm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY include/snapwing DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY config data launch rviz lcm DESTINATION ${snapwing_share})

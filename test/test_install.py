@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 BUILD = sys.argv.pop() if len(sys.argv) > 1 else "build"
-PROGRAMS = ["snapwing", "snapwing_all", "radio_bridge", "standin_flight_controller"]
+PROGRAMS = ["snapwing", "snapwing_all", "snapwing_predict", "radio_bridge", "standin_flight_controller"]
 SHARED = ["config/vehicles/arris_x220.yaml", "data/tables/arris_x220_planar.h5", "lcm"]
 
 
