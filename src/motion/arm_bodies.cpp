@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "snapwing/mpm/cell_values.h"
 #include "snapwing/scene/arm_scene.h"
 
 namespace snapwing::motion {
@@ -47,9 +48,16 @@ scene::Scene armBodies(const vehicle::Vehicle& vehicle, double force_scale, cons
   return scene;
 }
 
-double largestStrain(const scene::CompiledScene& arms, const Eigen::VectorXd& displacements) {
-  return arms.planar() != nullptr ? arms.planar()->largestStrain(displacements)
-                                  : arms.volumetric()->largestStrain(displacements);
+ArmStrain::ArmStrain(const scene::CompiledScene& arms)
+    : arms_(arms),
+      means_(arms.planar() != nullptr ? mpm::meansWithin(*arms.planar(), mpm::STRAIN_RADIUS)
+                                      : mpm::meansWithin(*arms.volumetric(), mpm::STRAIN_RADIUS)) {}
+
+void ArmStrain::record(const Eigen::VectorXd& displacements, AxisSample& out) const {
+  const Eigen::VectorXd strains = arms_->planar() != nullptr ? mpm::cellStrains(*arms_->planar(), displacements)
+                                                             : mpm::cellStrains(*arms_->volumetric(), displacements);
+  out.strain = strains.maxCoeff();
+  out.mean_strain = (means_ * strains).maxCoeff();
 }
 
 bool ofAxle(const scene::CompiledScene& arms, int dof) {

@@ -1,11 +1,13 @@
 #pragma once
 /// The soft arms of a vehicle as bodies of one scene, each in its own axes.
 
+#include <Eigen/SparseCore>
 #include <vector>
 
+#include "snapwing/common/loan.h"
 #include "snapwing/elasticity/prony_series.h"
 #include "snapwing/motion/axis_vehicle.h"
-#include "snapwing/scene/scene.h"
+#include "snapwing/scene/scene_problem.h"
 #include "snapwing/solver/reduction.h"
 
 namespace snapwing::motion {
@@ -18,9 +20,18 @@ namespace snapwing::motion {
 scene::Scene armBodies(const vehicle::Vehicle& vehicle, double force_scale, const AxisSettings& settings,
                        const elasticity::PronySeries& series, const std::vector<double>& shares);
 
-/// Largest principal strain [1] of the arms at nodal displacements [m], in any axes
-/// (mpm::Discretisation::largestStrain).
-double largestStrain(const scene::CompiledScene& arms, const Eigen::VectorXd& displacements);
+/// How far the arms are strained. The scene is lent.
+class ArmStrain {
+ public:
+  explicit ArmStrain(const scene::CompiledScene& arms);
+  /// Fills in a sample's strains. @param displacements  nodal [m], in any axes
+  void record(const Eigen::VectorXd& displacements, AxisSample& out) const;
+
+ private:
+  common::Loan<const scene::CompiledScene> arms_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> means_;
+};
+
 /// True if an eliminated coordinate is the x component of a node at the axle (outer half of the arm); volumetric only.
 /// @param dof  number of an eliminated nodal coordinate
 bool ofAxle(const scene::CompiledScene& arms, int dof);

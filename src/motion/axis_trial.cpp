@@ -144,6 +144,7 @@ class Watch {
     out.peak_speed = std::max(out.peak_speed, std::abs(now.ring_speed));
     out.largest_imbalance = std::max(out.largest_imbalance, std::abs(now.imbalance));
     out.largest_strain = std::max(out.largest_strain, now.strain);
+    out.largest_mean_strain = std::max(out.largest_mean_strain, now.mean_strain);
     ++out.steps;
     out.iterations += account.iterations;
     out.factorizations += account.factorizations;
@@ -207,6 +208,7 @@ void begin(const TrialVehicle& vehicle, const AxisTrial& trial, const Watch& wat
   run.outcome.least_travel = run.outcome.peak_travel = run.samples.back().travel;
   run.outcome.peak_speed = std::abs(run.samples.back().ring_speed);
   run.outcome.largest_strain = run.samples.back().strain;
+  run.outcome.largest_mean_strain = run.samples.back().mean_strain;
 }
 
 }  // namespace

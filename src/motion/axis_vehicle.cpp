@@ -48,6 +48,7 @@ AxisVehicle::AxisVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehicle
   std::vector<double> shares;
   for (const int arms : groups_) shares.push_back(arms / static_cast<double>(groups_.front()));
   scene_ = scene::compileScene(armBodies(vehicle, parameters.force_scale, settings, series_, shares), settings.threads);
+  strain_ = std::make_shared<const ArmStrain>(*scene_);
   curve_ = std::make_unique<StaticCurve>(*scene_, vehicle.limits.travel_max, CURVE_STEP, settings.cancelled);
   if (!curve_->bistable()) {
     throw common::Error("vehicle '" + vehicle.name +
@@ -395,7 +396,7 @@ AxisSample AxisVehicle::sample(const MotionState& s) const {
     out.wing_left = wingAngle(s, true), out.wing_right = wingAngle(s, false);
     out.hub_twist = hubTwist(s);
   }
-  out.strain = largestStrain(*scene_, s.y.head(nodes_));
+  strain_->record(s.y.head(nodes_), out);
   out.kinetic = s.kinetic / share_;
   out.stored = s.stored / share_;
   return out;

@@ -119,7 +119,7 @@ AxisSample SpaceVehicle::sample(const MotionState& s) const {
     for (const auto& hub : hubs_) out.hub_twist = std::max(out.hub_twist, std::abs(hub->twist(s.y)));
   }
   out.kinetic = s.kinetic, out.stored = s.stored;
-  out.strain = largestStrain(*scene_, s.y.head(nodes_));
+  strain_->record(s.y.head(nodes_), out);
   return out;
 }
 

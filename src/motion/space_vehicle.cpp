@@ -100,6 +100,7 @@ SpaceVehicle::SpaceVehicle(const vehicle::Vehicle& vehicle, const vehicle::Vehic
     scene.bodies[arm].frame = {turned_.back(), origin_.back()};
   }
   scene_ = scene::compileScene(scene, settings.threads);
+  strain_ = std::make_shared<const ArmStrain>(*scene_);
   nodes_ = scene_->terms().coordinates().fullCount();
   per_arm_ = nodes_ / arms_;
   axle_ = {vehicle.arm.pin_x, vehicle.arm.pin_y, 0};

@@ -21,7 +21,7 @@ struct Column {
   double AxisSample::*value;
 };
 
-constexpr std::array<Column, 25> COLUMNS{{{"time", "s", &AxisSample::time},
+constexpr std::array<Column, 26> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"travel", "m", &AxisSample::travel},
                                           {"travel_rate", "m/s", &AxisSample::travel_rate},
                                           {"arm_rotation", "rad", &AxisSample::arm_rotation},
@@ -44,6 +44,7 @@ constexpr std::array<Column, 25> COLUMNS{{{"time", "s", &AxisSample::time},
                                           {"imbalance", "J", &AxisSample::imbalance},
                                           {"relative_kinetic_energy", "J", &AxisSample::relative_kinetic},
                                           {"strain", "1", &AxisSample::strain},
+                                          {"mean_strain", "1", &AxisSample::mean_strain},
                                           {"step", "s", &AxisSample::step},
                                           {"min_det_f", "1", &AxisSample::min_det_f}}};
 
@@ -59,7 +60,7 @@ void writeArray(hid_t group, const std::string& name, const std::vector<double>&
   common::hdf5::writeAttribute(set, "unit", unit, path);
 }
 
-const std::string MAGIC = "snapwing trial checkpoint 8\n";
+const std::string MAGIC = "snapwing trial checkpoint 9\n";
 
 std::string program() { return common::programOf(&MAGIC); }
 
@@ -73,7 +74,7 @@ void eachNumber(AxisRun& run, const Visit& visit) {
   for (double* value : {&s.time, &s.last_step, &s.next_step, &s.kinetic, &s.stored, &run.calm_since}) visit(*value);
   AxisOutcome& o = run.outcome;
   for (double* value : {&o.snap_time, &o.peak_travel, &o.least_travel, &o.end_travel, &o.peak_speed, &o.end_speed,
-                        &o.settle_time, &o.largest_imbalance, &o.largest_strain}) {
+                        &o.settle_time, &o.largest_imbalance, &o.largest_strain, &o.largest_mean_strain}) {
     visit(*value);
   }
 }

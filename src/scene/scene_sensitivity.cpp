@@ -3,6 +3,7 @@
 #include "scene_constraints.h"
 #include "scene_sensitivity_of.h"
 #include "snapwing/common/error.h"
+#include "snapwing/mpm/cell_values.h"
 
 namespace snapwing::scene {
 
@@ -115,7 +116,7 @@ SceneSlope SceneSensitivityOf<D>::monitor(int number) const {
 template <int D>
 SceneSlope SceneSensitivityOf<D>::volume() const {
   SceneSlope result;
-  result.density = solver::cellVolumes(parts_.solid);
+  result.density = mpm::cellVolumes(parts_.solid);
   result.joint = Eigen::MatrixXd::Zero(joints_.size(), 2);
   return result;
 }

@@ -36,17 +36,4 @@ Eigen::VectorXd Sensitivity::along(const Variation& direction) const {
 
 Eigen::VectorXd Sensitivity::potential() const { return problem_->densityDerivative(at_, nullptr, cells_); }
 
-template <int D>
-Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(solid.cellCount());
-  for (int c = 0; c < solid.cellCount(); ++c) {
-    const mpm::QuadratureRule<D>& rule = solid.rule(solid.terms(solid.cell(c).kind)[0].rule);
-    for (const double w : rule.weight) result(c) += w * solid.cell(c).measure;
-  }
-  return result;
-}
-
-template Eigen::VectorXd cellVolumes(const mpm::Discretisation<2>& solid);
-template Eigen::VectorXd cellVolumes(const mpm::Discretisation<3>& solid);
-
 }  // namespace snapwing::solver

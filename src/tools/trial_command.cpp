@@ -20,6 +20,7 @@
 #include "snapwing/common/provenance.h"
 #include "snapwing/motion/trial_file.h"
 #include "snapwing/motion/trial_record.h"
+#include "snapwing/mpm/cell_values.h"
 #include "snapwing/rom/lumped_model.h"
 #include "snapwing/scene/rung.h"
 #include "snapwing/solver/sparse.h"
@@ -167,6 +168,7 @@ ordered_json motionJson(const motion::AxisOutcome& o) {
   ordered_json json = validation::outcomeJson(o);
   json.update({{"largest_imbalance", o.largest_imbalance},
                {"largest_strain", o.largest_strain},
+               {"largest_mean_strain", o.largest_mean_strain},
                {"steps", o.steps},
                {"iterations", o.iterations},
                {"factorizations", o.factorizations}});
@@ -234,6 +236,7 @@ ordered_json modelJson(const Work& work, const motion::TrialVehicle& vehicle) {
       {"bodies", bodiesJson(work, vehicle)},
       {"linkage",
        vehicle.linkage() != nullptr ? linkageJson(*vehicle.linkage(), work.file.axis) : ordered_json(nullptr)},
+      {"strain_radius", mpm::STRAIN_RADIUS},
       {"strain_limit", work.vehicle.material.strain_limit ? work.vehicle.material.strain_limit->low() : std::nan("")},
       {"static_barrier", curve.barrier()},
       {"static_valley_force", vehicle.valleyForce()},
@@ -256,6 +259,18 @@ void writeRecord(const Work& work, const motion::TrialVehicle& vehicle, const mo
   writeSummary(work, summary);
 }
 
+void printStrain(const motion::AxisOutcome& o, const std::optional<common::Quantity>& limit) {
+  std::printf("largest mean strain of the arms within %g mm %.3g on these cells", 1e3 * mpm::STRAIN_RADIUS,
+              o.largest_mean_strain);
+  if (limit) {
+    std::printf(", %s the material's strain limit of %.3g for a single load; fatigue life unknown",
+                o.largest_mean_strain <= limit->low() ? "below" : "ABOVE", limit->low());
+  } else {
+    std::printf("; the material's strain limit is unknown (material.strain_limit)");
+  }
+  std::printf("; largest of a cell, in a notch, %.3g: grows with smaller cells\n", o.largest_strain);
+}
+
 void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
   const motion::AxisOutcome& o = run.outcome;
   std::printf("%s, %s rung: from %s ", work.file.name.c_str(), motion::rungName(work.file.rung).c_str(),
@@ -270,13 +285,7 @@ void printOutcome(const Work& work, const motion::AxisRun& run, double cpu) {
               1e3 * o.peak_travel, 1e3 * o.largest_imbalance);
   std::printf("%d steps, %d iterations, %d factorizations, %.2f CPU seconds\n", o.steps, o.iterations, o.factorizations,
               cpu);
-  std::printf("largest strain of the arms %.3g", o.largest_strain);
-  const auto& limit = work.vehicle.material.strain_limit;
-  if (limit) {
-    std::printf("; the material's strain limit is %.3g for a single load, its fatigue life unknown\n", limit->low());
-  } else {
-    std::printf("; the material's strain limit is unknown (material.strain_limit)\n");
-  }
+  printStrain(o, work.vehicle.material.strain_limit);
   if (!o.start_held) std::printf("note: the start mode is not an equilibrium under the loads before the pulse\n");
 }
 

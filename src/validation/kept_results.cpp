@@ -31,6 +31,7 @@ RungOutcome outcomeOf(const ordered_json& j) {
   o.imbalance = numberOf(j.at("imbalance"));
   o.min_det_f = numberOf(j.at("min_det_f"));
   o.strain = numberOf(j.at("strain"));
+  o.mean_strain = numberOf(j.at("mean_strain"));
   o.threshold = numberOf(j.at("threshold"));
   o.cpu_seconds = numberOf(j.at("cpu_seconds"));
   o.time = j.at("time").get<std::vector<double>>();
@@ -93,21 +94,14 @@ void KeptResults::save(const std::string& name, const std::string& key, const or
 void KeptResults::forget(const std::string& name) const { std::filesystem::remove(path(name)); }
 
 ordered_json keptOutcome(const RungOutcome& o) {
-  return {{"failure", o.failure},
-          {"end_mode", vehicle::modeName(o.end)},
-          {"snapped", o.snapped},
-          {"snap_time", o.snap_time},
-          {"peak_travel", o.peak_travel},
-          {"least_travel", o.least_travel},
-          {"energy_margin", o.margin},
-          {"imbalance", o.imbalance},
-          {"min_det_f", o.min_det_f},
-          {"strain", o.strain},
-          {"threshold", o.threshold},
-          {"cpu_seconds", o.cpu_seconds},
-          {"time", o.time},
-          {"travel", o.travel},
-          {"thrust", o.thrust}};
+  return {{"failure", o.failure},         {"end_mode", vehicle::modeName(o.end)},
+          {"snapped", o.snapped},         {"snap_time", o.snap_time},
+          {"peak_travel", o.peak_travel}, {"least_travel", o.least_travel},
+          {"energy_margin", o.margin},    {"imbalance", o.imbalance},
+          {"min_det_f", o.min_det_f},     {"strain", o.strain},
+          {"mean_strain", o.mean_strain}, {"threshold", o.threshold},
+          {"cpu_seconds", o.cpu_seconds}, {"time", o.time},
+          {"travel", o.travel},           {"thrust", o.thrust}};
 }
 
 bool readOutcome(const ordered_json& kept, RungOutcome* outcome) {

@@ -175,7 +175,7 @@ RungOutcome RungRunner::runSolid(const RungTrial& trial, const motion::AxisVehic
   const motion::AxisOutcome& o = run.outcome;
   out.end = o.end_mode, out.snapped = o.snapped, out.snap_time = o.snap_time;
   out.peak_travel = o.peak_travel, out.least_travel = o.least_travel, out.imbalance = o.largest_imbalance;
-  out.strain = o.largest_strain;
+  out.strain = o.largest_strain, out.mean_strain = o.largest_mean_strain;
   out.min_det_f = 1;
   for (const motion::AxisSample& s : run.samples) {
     out.time.push_back(s.time);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "snapwing/mpm/cell_values.h"
 #include "snapwing/scene/arm_scene.h"
 #include "snapwing/scene/scene_problem.h"
 #include "snapwing/solver/sensitivity.h"
@@ -94,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(BothBasins, AdjointAt, ::testing::Values(0.006, 0.060))
 TEST(Sensitivity, VolumeIsTheMeasureOfCells) {
   const Solved s = solveAt(0.001, 0);
   // 20 x 40 mm of 5 mm and 60 x 20 mm of 10 mm.
-  EXPECT_NEAR(solver::cellVolumes(*s.arm->planar()).sum(), 4e-6 + 12e-6, 1e-12);
+  EXPECT_NEAR(mpm::cellVolumes(*s.arm->planar()).sum(), 4e-6 + 12e-6, 1e-12);
 }
 
 }  // namespace

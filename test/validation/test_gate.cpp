@@ -19,8 +19,8 @@ namespace {
 using motion::TrialRung;
 using vehicle::Mode;
 
-/// The verdict of the one check whose name ends so.
-Verdict verdictOf(const std::vector<Check>& checks, const std::string& end) {
+/// The one check whose name ends so.
+Check named(const std::vector<Check>& checks, const std::string& end) {
   const Check* found = nullptr;
   for (const Check& c : checks) {
     if (c.name.size() < end.size() || c.name.compare(c.name.size() - end.size(), end.size(), end) != 0) continue;
@@ -28,8 +28,10 @@ Verdict verdictOf(const std::vector<Check>& checks, const std::string& end) {
     found = &c;
   }
   EXPECT_NE(found, nullptr) << "no check ends with " << end;
-  return found == nullptr ? Verdict::REPORTED : found->verdict;
+  return found == nullptr ? reported(end, NAN, "") : *found;
 }
+
+Verdict verdictOf(const std::vector<Check>& checks, const std::string& end) { return named(checks, end).verdict; }
 
 TEST(Check, ANumberThatIsNoneFails) {
   EXPECT_EQ(within("x", 1, 0, 2, "m").verdict, Verdict::PASS);
@@ -145,13 +147,35 @@ TEST(Gate, SolidsAreJudgedExtrapolated) {
   EXPECT_NE(verdict(found), Verdict::PASS);
 }
 
-TEST(Gate, TheLargestStrainIsToldAndGatesNothing) {
+/// The mean strain is extrapolated and compared with the limit; the largest of a cell is compared with nothing.
+TEST(Gate, StrainIsToldBesideTheLimitAndGatesNothing) {
   vehicle::Vehicle vehicle = Shipped().vehicle;
-  Validation found = twoRungs();
-  found.trials[2].outcome.strain = 5;
   vehicle.material.strain_limit = common::Quantity{4, 0};
+  Validation found = twoRungs();
+  found.trials[2].outcome.strain = 5, found.trials[2].outcome.mean_strain = 3;
+  const auto mean = [&] { return named(checkTrials(found, vehicle), "planar: largest mean strain"); };
+  EXPECT_EQ(mean().value, 3);
+  EXPECT_NE(mean().words.find("error is unknown"), std::string::npos);
+  ValidationTrial finer = found.trials[2];
+  finer.finer = true;
+  found.trials.push_back(finer);
+  const auto told = [&](double at_the_finer) {
+    found.trials.back().outcome.mean_strain = at_the_finer;
+    return mean().words;
+  };
+  EXPECT_NE(told(3.2).find("; below the file's"), std::string::npos) << mean().words;
+  EXPECT_NEAR(mean().value, 3.4, 1e-12);
+  EXPECT_NEAR(mean().error, 0.2, 1e-12) << "from the finer size's value on";
+  EXPECT_EQ(mean().high, 4);
+  EXPECT_NE(told(3.7).find("an error bar across"), std::string::npos) << mean().words;
+  EXPECT_NE(told(4.5).find("ABOVE"), std::string::npos) << mean().words;
   EXPECT_TRUE(passed(checkTrials(found, vehicle)));
-  EXPECT_EQ(verdictOf(checkTrials(found, vehicle), "planar: largest strain"), Verdict::REPORTED);
+  const Check largest = named(checkTrials(found, vehicle), "planar: largest strain of a cell");
+  EXPECT_EQ(largest.verdict, Verdict::REPORTED);
+  EXPECT_EQ(largest.value, 5);
+  EXPECT_TRUE(std::isnan(largest.high));
+  vehicle.material.strain_limit.reset();
+  EXPECT_NE(mean().words.find("unknown (material.strain_limit"), std::string::npos);
 }
 
 TEST(Check, AnErrorBarAcrossALimitIsUndecidedAndDoesNotPass) {

@@ -60,8 +60,8 @@ struct AxisTrial {
 
 /// Outcome of a trial, with the definitions of rom::SnapPrediction.
 struct AxisOutcome : vehicle::TrialOutcome {
-  double largest_imbalance = 0;  ///< [J] largest |summed imbalance| (StepAccount::imbalance)
-  double largest_strain = 0;     ///< [1] of the arms at any time
+  double largest_imbalance = 0;                        ///< [J] largest |summed imbalance| (StepAccount::imbalance)
+  double largest_strain = 0, largest_mean_strain = 0;  ///< [1] of the arms at any time (AxisSample::strain)
   int iterations = 0, factorizations = 0;
 };
 

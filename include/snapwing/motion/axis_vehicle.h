@@ -28,6 +28,8 @@
 
 namespace snapwing::motion {
 
+class ArmStrain;
+
 /// Law of damping; each is scaled to the vehicle file's damping ratio in Q.
 enum class DampingLaw {
   TRAVEL,              ///< c u' on the travel, as in the lumped model
@@ -157,6 +159,7 @@ class AxisVehicle : public TrialVehicle {
   elasticity::PronySeries series_;  ///< empty: no relaxation
   bool memory_known_ = false;       ///< the vehicle file states a relaxation
   std::unique_ptr<scene::CompiledScene> scene_;
+  std::shared_ptr<const ArmStrain> strain_;
   std::unique_ptr<StaticCurve> curve_;
   double share_ = 1, arm_mass_ = 0, rest_of_damping_ = 0, material_time_ = 0;
   std::optional<HandMotion> hand_;

@@ -123,6 +123,7 @@ class SpaceVehicle : public TrialVehicle {
   double max_thrust_ = 0, mass_ = 0, half_ = 0, boom_ = 0, rotor_radius_ = 0, housing_height_ = 0, stop_ = 0;
   double stop_stiffness_ = 0, restitution_ = 0;
   std::unique_ptr<scene::CompiledScene> scene_;
+  std::shared_ptr<const ArmStrain> strain_;
   std::vector<Eigen::Matrix3d> turned_;  ///< axes of each arm, in columns, world
   std::vector<Eigen::Vector3d> origin_;
   RigidBody ring_, housing_;

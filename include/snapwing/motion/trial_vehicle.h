@@ -30,9 +30,11 @@ struct AxisSample {
   double thrust = 0;                                                  ///< [N]
   double kinetic = 0, stored = 0, work = 0, loss = 0, imbalance = 0;  ///< [J]; the last three summed from the start
   double relative_kinetic = wing_left;  ///< [J] TrialVehicle::relativeKinetic; NaN in six degrees of freedom
-  double strain = 0;                    ///< [1] of the arms (mpm::Discretisation::largestStrain)
-  double step = 0;                      ///< length of the step [s]
-  double min_det_f = 1;                 ///< smallest over the particles [1]
+  /// [1] of the arms: largest strain of a cell (mpm::cellStrains), which depends on the cells' size, and
+  /// largest mean over the material within mpm::STRAIN_RADIUS of a point, which converges.
+  double strain = 0, mean_strain = 0;
+  double step = 0;       ///< length of the step [s]
+  double min_det_f = 1;  ///< smallest over the particles [1]
   int iterations = 0;
 };
 

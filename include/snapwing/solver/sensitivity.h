@@ -15,10 +15,6 @@
 
 namespace snapwing::solver {
 
-/// Volume of the material that a cell holds at density 1, in the order of cells [m3].
-template <int D>
-Eigen::VectorXd cellVolumes(const mpm::Discretisation<D>& solid);
-
 /// A direction in the space of all unknowns.
 struct Variation {
   Eigen::VectorXd z, multipliers;  ///< (free x 1); (kept constraints x 1), empty without

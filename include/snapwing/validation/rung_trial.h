@@ -44,7 +44,8 @@ struct RungOutcome {
   double margin = std::numeric_limits<double>::quiet_NaN();                                   ///< [1] lumped only
   double imbalance = std::numeric_limits<double>::quiet_NaN();  ///< [J] that the scheme fed or ate; solids only
   double min_det_f = std::numeric_limits<double>::quiet_NaN();  ///< [1] solids only
-  double strain = std::numeric_limits<double>::quiet_NaN();     ///< [1] largest principal one at any time; solids only
+  /// [1] at any time, largest of a cell and largest mean (motion::AxisSample::strain); solids only
+  double strain = std::numeric_limits<double>::quiet_NaN(), mean_strain = strain;
   /// [s] of a search for the shortest pulse; [N] of one for the heaviest centre
   double threshold = std::numeric_limits<double>::quiet_NaN();
   double cpu_seconds = 0;
