@@ -1,9 +1,11 @@
 """Variations of an arm's design settings, and runs of them that are kept while their settings stay the same."""
 import json
 import os
+import pathlib
 import re
 import subprocess
 
+import h5py
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 PROGRAM = os.path.join(os.environ.get("SNAPWING_BUILD", os.path.join(ROOT, "build")), "devel", "lib", "snapwing", "snapwing")
@@ -51,3 +53,15 @@ def report_of(program, folder, text, environment=None):
             raise RuntimeError(f"{folder}: exit code {done.returncode}")
     with open(path, encoding="utf-8") as stream:
         return json.load(stream)
+
+
+def numbers_of(folder):
+    """All real numbers that a design leaves in HDF5 (the optimiser's state, the check's curves), as bytes by file and name."""
+    found = {}
+    for path in sorted(pathlib.Path(folder).glob("*.h5")):
+        with h5py.File(path) as file:
+            def add(key, item, name=path.name):
+                if isinstance(item, h5py.Dataset) and item.dtype.kind == "f" and key != "history":  # that has seconds
+                    found[f"{name}:{key}"] = item[()].tobytes()
+            file.visititems(add)
+    return found

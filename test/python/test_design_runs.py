@@ -5,7 +5,11 @@ import os
 import pathlib
 import re
 import sys
+import tempfile
 import unittest
+
+import h5py
+import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts" / "lib"), str(ROOT / "python")]
@@ -42,6 +46,16 @@ class DesignRuns(unittest.TestCase):
         self.assertEqual(design_runs.replaced_in(text, "b", "k", "4"), text.replace("k: 3", "k: 4"))
         self.assertEqual(design_runs.replaced_in(text, "a", "l", "5"), text.replace("l: 2", "l: 5"))
         self.assertRaises(ValueError, design_runs.replaced_in, text, "b", "l", "5")
+
+    def test_numbers_differ_by_their_last_bit(self):
+        def left(value, seconds):
+            with tempfile.TemporaryDirectory() as folder:
+                with h5py.File(pathlib.Path(folder) / "state.h5", "w") as file:
+                    file["x"], file["history"], file["count"] = [1.0, value], [seconds], [3]
+                return design_runs.numbers_of(folder)
+        self.assertEqual(list(left(2.0, 1.0)), ["state.h5:x"])
+        self.assertEqual(left(2.0, 1.0), left(2.0, 5.0))
+        self.assertNotEqual(left(2.0, 1.0), left(np.nextafter(2.0, 3.0), 1.0))
 
     def test_the_program_is_where_the_build_puts_it(self):
         self.assertEqual(os.path.basename(design_runs.PROGRAM), "snapwing")

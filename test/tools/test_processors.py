@@ -4,10 +4,13 @@ import pathlib
 import platform
 import re
 import subprocess
+import sys
 import unittest
 
-import h5py
 from command import PROGRAM, ROOT, Case
+
+sys.path.insert(0, str(ROOT / "scripts" / "lib"))
+from design_runs import numbers_of  # noqa: E402
 
 SETTINGS = (ROOT / "config" / "designs" / "arm_default.yaml").read_text()
 OTHERS = {
@@ -24,14 +27,7 @@ class Processors(Case):
         folder = self.folder / name.replace(" ", "_")
         self.snapwing("design", "arm", settings, "-o", folder, "-q", "--threads", "1", code=(0, 1),
                       env={**os.environ, **environment})
-        found = {}
-        for path in sorted(folder.glob("*.h5")):
-            with h5py.File(path) as file:
-                def add(key, item, name=path.name):
-                    if isinstance(item, h5py.Dataset) and item.dtype.kind == "f" and key != "history":  # that has seconds
-                        found[f"{name}:{key}"] = item[()].tobytes()
-                file.visititems(add)
-        return found
+        return numbers_of(folder)
 
     @unittest.skipUnless(platform.machine() == "x86_64", "instructions of x86-64")
     def test_no_function_fuses_multiply_and_add(self):
