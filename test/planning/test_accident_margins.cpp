@@ -13,11 +13,11 @@
 namespace snapwing::planning {
 namespace {
 
-const AccidentMargin& find(const std::vector<AccidentMargin>& list, const std::string& name) {
+const AccidentMargin& find(const std::vector<AccidentMargin>& list, const char* name) {
   for (const AccidentMargin& m : list) {
     if (m.name == name) return m;
   }
-  throw std::runtime_error("no margin named " + name);
+  throw std::runtime_error(std::string("no margin named ") + name);
 }
 
 TEST(AccidentMargins, AgreeWithTheFeasibilityStudy) {
