@@ -1,5 +1,6 @@
-// The ensemble against the lumped model, as tables: error of the margins and microseconds a prediction.
-// usage: bench_ensemble [COUNT [STEP_MS]]
+// The ensemble against the lumped model, as tables: microseconds a prediction of all vehicles, by the widest vectors of
+// the processor and by plain ones, and the error of the margins, of the first of them.
+// usage: bench_ensemble [COUNT [TRUTHS [STEP_MS]]]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -51,23 +52,24 @@ struct Margins {
 };
 
 Margins byLumped(const rom::VehicleCurves& curves, const vehicle::Vehicle& vehicle, const Vehicles& drawn,
-                 const Case& c, const vehicle::Trial& trial, double step) {
+                 const Case& c, const vehicle::Trial& trial, double step, int count) {
   rom::LumpedSettings settings;
   settings.step = step;
   Margins result;
-  for (std::size_t i = 0; i < drawn.parameters.size(); ++i) {
+  for (int i = 0; i < count; ++i) {
     const rom::LumpedModel model = curves.model(vehicle.radio, drawn.parameters[i], settings);
     const vehicle::Pulse pulse{c.pulse.throttle, c.pulse.duration + drawn.errors[i]};
     const double begin = cpuSeconds();
     result.margins.push_back(model.predict(c.start, pulse, vehicle.radio, trial).energy_margin);
-    result.seconds += (cpuSeconds() - begin) / drawn.parameters.size();
+    result.seconds += (cpuSeconds() - begin) / count;
   }
   return result;
 }
 
 Margins byEnsemble(const rom::VehicleCurves& curves, const vehicle::Vehicle& vehicle, const Vehicles& drawn,
-                   const Case& c, const vehicle::Trial& trial, double step) {
+                   const Case& c, const vehicle::Trial& trial, double step, rom::Vectors vectors) {
   rom::EnsembleSettings settings;
+  settings.vectors = vectors;
   settings.model.step = step;
   rom::Ensemble ensemble(curves, vehicle.radio, settings);
   std::vector<double> durations;
@@ -98,14 +100,15 @@ void compare(const char* name, const Margins& tried, const Margins& truth) {
   }
   std::printf("| %s | %.1f | %.2g | %.2g | %d | %.4f |\n", name, 1e6 * tried.seconds,
               std::sqrt(squares / truth.margins.size()), worst, flips,
-              *std::min_element(tried.margins.begin(), tried.margins.end()));
+              *std::min_element(tried.margins.begin(), tried.margins.begin() + truth.margins.size()));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int count = argc > 1 ? std::atoi(argv[1]) : 512;
-  const double step = argc > 2 ? 1e-3 * std::atof(argv[2]) : rom::EnsembleSettings().model.step;
+  const int count = argc > 1 ? std::atoi(argv[1]) : 10000;
+  const int truths = std::min(count, argc > 2 ? std::atoi(argv[2]) : 512);
+  const double step = argc > 3 ? 1e-3 * std::atof(argv[3]) : rom::EnsembleSettings().model.step;
   const auto vehicle = vehicle::loadVehicle(snapwing::test::sourceDir() + "/config/vehicles/arris_x220.yaml");
   const auto table = vehicle::armTableOf(vehicle);
   const rom::VehicleCurves curves(table, vehicle::wingTableOf(vehicle, table));
@@ -121,14 +124,16 @@ int main(int argc, char** argv) {
     vehicle::Trial trial;
     trial.mount = c.mount;
     trial.wings = c.wings;
-    std::printf("\n%s, throttle %.2f for %.2f s, %d vehicles\n\n", c.name, c.pulse.throttle, c.pulse.duration, count);
+    std::printf("\n%s, throttle %.2f for %.2f s: %d vehicles, margins of the first %d\n\n", c.name, c.pulse.throttle,
+                c.pulse.duration, count, truths);
     std::printf(
         "| | us a prediction | RMS of margin | largest | other sign | worst margin |\n|---|---|---|---|---|---|\n");
-    const Margins truth = byLumped(curves, vehicle, drawn, c, trial, 1e-4);
+    const Margins truth = byLumped(curves, vehicle, drawn, c, trial, 1e-4, truths);
     compare("lumped .1 ms", truth, truth);
-    compare("lumped 1 ms", byLumped(curves, vehicle, drawn, c, trial, 1e-3), truth);
-    compare("lumped 2 ms", byLumped(curves, vehicle, drawn, c, trial, 2e-3), truth);
-    compare("ensemble", byEnsemble(curves, vehicle, drawn, c, trial, step), truth);
+    compare("lumped 1 ms", byLumped(curves, vehicle, drawn, c, trial, 1e-3, truths), truth);
+    compare("lumped 2 ms", byLumped(curves, vehicle, drawn, c, trial, 2e-3, truths), truth);
+    compare("ensemble", byEnsemble(curves, vehicle, drawn, c, trial, step, rom::Vectors::WIDEST), truth);
+    compare("ensemble, plain vectors", byEnsemble(curves, vehicle, drawn, c, trial, step, rom::Vectors::PLAIN), truth);
   }
   return 0;
 }

@@ -22,8 +22,8 @@ BoxEnsemble::BoxEnsemble(const vehicle::Vehicle& vehicle, const vehicle::ForceTa
       table_(table),
       curves_(curves),
       settings_(settings),
-      model_settings_(withStep(settings.model, step)),
-      ensemble_(curves, vehicle.radio, {model_settings_}) {}
+      step_(step),
+      ensemble_(curves, vehicle.radio, {withStep(settings.model, step)}) {}
 
 void BoxEnsemble::add(const BoxPoint& point) {
   const BoxPoint parameters(point.begin(), point.end() - 1);
@@ -38,7 +38,7 @@ void BoxEnsemble::add(const std::vector<BoxPoint>& points) {
 }
 
 rom::LumpedModel BoxEnsemble::model(int index) const {
-  return curves_.model(vehicle_.radio, parameters_[index], model_settings_);
+  return curves_.model(vehicle_.radio, parameters_[index], settings_.model);
 }
 
 vehicle::Pulse BoxEnsemble::received(int index, const vehicle::Pulse& pulse) const {
@@ -68,16 +68,17 @@ double BoxEnsembleOutcome::reached(double share) const {
 
 BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
                                          double give_up, int threads) const {
-  constexpr int BLOCK = 16, LANES = 8;
+  constexpr int LANES = 16;  // side by side in the ensemble
   BoxEnsembleOutcome outcome;
   outcome.worst = INFINITY;
   std::vector<double> durations(size());
   for (int i = 0; i < size(); ++i) durations[i] = received(i, pulse).duration;
-  std::vector<rom::EnsembleOutcome> found(BLOCK);
-  for (int first = 0; first < size(); first += BLOCK) {
-    const int count = std::min(BLOCK, size() - first);
-    common::parallelFor((count + LANES - 1) / LANES, threads, [&](int block) {
-      const int begin = block * LANES;
+  const int block = std::isinf(give_up) ? size() : LANES;  // as many as the answer needs in any case
+  std::vector<rom::EnsembleOutcome> found(block);
+  for (int first = 0; first < size(); first += block) {
+    const int count = std::min(block, size() - first);
+    common::parallelFor((count + LANES - 1) / LANES, threads, [&](int part) {
+      const int begin = part * LANES;
       const auto some =
           ensemble_.predict(start, pulse, durations, trial, first + begin, std::min(LANES, count - begin));
       std::copy(some.begin(), some.end(), found.begin() + begin);

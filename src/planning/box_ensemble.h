@@ -24,12 +24,12 @@ struct BoxEnsembleOutcome {
 
 class BoxEnsemble {
  public:
-  /// @param table  of one arm; @param curves  made of it and the wings; @param step  of the model [s]
+  /// @param table  of one arm; @param curves  made of it and the wings; @param step  of the ensemble [s]
   BoxEnsemble(const vehicle::Vehicle& vehicle, const vehicle::ForceTable& table, const rom::VehicleCurves& curves,
               const PlannerSettings& settings, double step);
 
   /// An ensemble of the same kind without vehicles.
-  BoxEnsemble emptyCopy() const { return BoxEnsemble(vehicle_, table_, curves_, settings_, model_settings_.step); }
+  BoxEnsemble emptyCopy() const { return BoxEnsemble(vehicle_, table_, curves_, settings_, step_); }
 
   /// Adds a vehicle. Its last coordinate is the pulse's length error, in frame_jitter frames.
   void add(const BoxPoint& point);
@@ -47,8 +47,8 @@ class BoxEnsemble {
   /// Margin that counts: the model's, or less if the travel leaves what is known. [1], [m]
   double margin(double energy_margin, double peak_travel) const;
 
-  /// Tries a pulse on all vehicles, in order, eight side by side; if all must switch, gives up after a block whose
-  /// worst is below `give_up`.
+  /// Tries a pulse on all vehicles, in order; if all must switch, gives up after sixteen, side by side, whose worst is
+  /// below `give_up`.
   BoxEnsembleOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
                               double give_up, int threads) const;
 
@@ -57,7 +57,7 @@ class BoxEnsemble {
   vehicle::ForceTable table_;
   rom::VehicleCurves curves_;
   PlannerSettings settings_;
-  rom::LumpedSettings model_settings_;
+  double step_;
   rom::Ensemble ensemble_;
   std::vector<BoxPoint> points_;
   std::vector<vehicle::VehicleParameters> parameters_;

@@ -22,7 +22,7 @@ PulseSearch::PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTa
       trial_(trial),
       cancelled_(std::move(cancelled)),
       ensemble_(vehicle, table, curves, settings, settings.model_step),
-      checked_(vehicle, table, curves, settings, settings.model.step) {
+      checked_(vehicle, table, curves, settings, 0.5 * settings.model_step) {
   const int n = static_cast<int>(plannerCoordinateNames().size());
   ensemble_.add(BoxPoint(n, 0.0));
   ensemble_.add(sobolPoints(n, settings.search_samples, 1));

@@ -31,8 +31,7 @@ struct Ensemble::Data {
   const BranchTable& branchesOf(bool wings) const;
   EnsembleOutcome askAgain(int vehicle, vehicle::Mode start, vehicle::Pulse pulse, const std::vector<double>& durations,
                            const vehicle::Trial& trial) const;
-  EnsembleScene sceneOf(vehicle::Mode start, double hold, const std::vector<double>& durations,
-                        const vehicle::Trial& trial) const;
+  EnsembleScene sceneOf(vehicle::Mode start, const vehicle::Trial& trial) const;
 };
 
 namespace {
@@ -117,8 +116,7 @@ const BranchTable& Ensemble::Data::branchesOf(bool wings) const {
   return *table;
 }
 
-EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, double hold, const std::vector<double>& durations,
-                                      const vehicle::Trial& trial) const {
+EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const vehicle::Trial& trial) const {
   const bool wings = wingsAct(trial, curves.wing() != nullptr);
   EnsembleScene scene{grid.view(), branchesOf(wings).view(), curves.spline().equilibria(), start};
   scene.held = trial.mount == vehicle::Mount::HELD;
@@ -131,13 +129,7 @@ EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, double hold, const st
   scene.horizon = trial.horizon;
   scene.friction_speed = settings.model.friction_speed;
   scene.settled_share = settings.model.settled_share;
-  double lengths[EnsembleScene::PARTS] = {0, 0, hold, trial.horizon};
-  for (std::size_t i = 0; i < vehicles.size(); ++i) {
-    lengths[0] = std::max(lengths[0], vehicles[i].latency);
-    lengths[1] = std::max(lengths[1], durations[i]);
-  }
-  for (int k = 0; k < EnsembleScene::PARTS; ++k)
-    scene.steps[k] = static_cast<int>(std::ceil(lengths[k] / settings.model.step - 1e-9));
+  scene.step = settings.model.step;
   return scene;
 }
 
@@ -161,7 +153,7 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, const vehicl
   require(durations.size() == d.vehicles.size(), "number of durations", durations.size(), "one per vehicle");
   require(first >= 0 && count >= 0 && first + count <= size(), "end of the range", first + count, "up to the size");
   for (const double duration : durations) require(duration >= 0 && duration <= 60, "duration", duration, "0 .. 60 s");
-  const EnsembleScene scene = d.sceneOf(start, pulse.hold_duration, durations, trial);
+  const EnsembleScene scene = d.sceneOf(start, trial);
   std::vector<EnsembleOutcome> outcomes(count);
   const RunBlock run = d.settings.vectors == Vectors::PLAIN ? runBlockPlain : widestRunBlock();
   for (int begin = 0; begin < count; begin += LANES) {
@@ -170,11 +162,11 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, const vehicl
       const int i = first + std::min(begin + l, count - 1);
       setLane(d.vehicles[i], d.radio, trial, pulse, durations[i], l, &block);
     }
-    EnsembleResult result;
-    run(scene, block, &result);
+    EnsembleResult results[LANES];
+    run(scene, block, results);
     for (int l = 0; l < LANES && begin + l < count; ++l) {
       EnsembleOutcome& out = outcomes[begin + l];
-      out = {result.margin.lane[l], result.peak_travel.lane[l], result.snapped.lane[l] != 0};
+      out = {results[l].margin, results[l].peak_travel, results[l].snapped};
       // No number: too violent for explicit steps. The implicit integrator is asked.
       const bool lost = !std::isfinite(out.energy_margin) || !std::isfinite(out.peak_travel);
       if (lost) out = d.askAgain(first + begin + l, start, pulse, durations, trial);

@@ -1,236 +1,106 @@
 #pragma once
-/// The trial of eight vehicles; compiled once for each width of vectors (ensemble_wide.cpp, ...). Private to the layer.
+/// Trials of vehicles side by side; compiled once for each width of vectors (ensemble_wide.cpp, ...). Private to the
+/// layer.
 
-#include "ensemble_watch.h"
+#include "ensemble_clock.h"
+#include "ensemble_margin.h"
 
 namespace snapwing::rom::SNAPWING_WIDTH {
 
 namespace {
 
-constexpr int LOOK_EVERY = 4;  // steps between looks whether a vehicle has settled
-constexpr double LARGEST_MARGIN = 10.0;
-
-/// A step of all lanes: states at both ends, with loads and thrust there.
-struct Step {
-  MotionInLanes from, to;
-  Load load_from, load_to;
-  Real length;
-};
-
-static inline Real travelIn(const Step& x, Real s) {
-  const Real r = 1.0 - s;
-  return r * r * (1.0 + 2.0 * s) * x.from.u + s * r * r * x.length * x.from.w + s * s * (3.0 - 2.0 * s) * x.to.u -
-         s * s * r * x.length * x.to.w;
-}
-static inline Real rateIn(const Step& x, Real s) {
-  const Real r = 1.0 - s;
-  return 6.0 * s * r * (x.to.u - x.from.u) / x.length + r * (1.0 - 3.0 * s) * x.from.w + s * (3.0 * s - 2.0) * x.to.w;
-}
-
-/// MarginWatch in masks: what is known of every lane so far.
+/// One step of the classical Runge-Kutta method, of all lanes.
 template <bool ARMS, bool WINGS>
-struct Watch {
-  const EnsembleScene& s;
-  const Vehicles& a;
-  Basins<ARMS, WINGS> basins;
-  Mask side, done, snapped;  ///< side: Q
-  Barrier barrier;
-  Real entry, hold, earlier, last, peak, margin;
+struct RungeKutta {
+  Instant end;
+  Real error;  ///< [m/s] of a step of third order with the same ends, ten times
 
-  static Mask sideOf(const Barrier& b, Real u) {
-    return ~((u <= b.branch.peak) | ((u < b.branch.valley) & (u < b.travel)));
-  }
-
-  Watch(const EnsembleScene& scene, const Vehicles& block, Real u, const Load& load)
-      : s(scene), a(block), basins{scene, block} {
-    done = snapped = none();
-    barrier = basins.barrierUnder(load, Real(s.equilibria.barrier), ~done);
-    side = sideOf(barrier, u);
-    entry = hold = Real(FAR);
-    earlier = last = Real(-FAR);
-    peak = u;
-    margin = Real(-1.0);
-  }
-
-  void turning(const Step& x) {
-    const Mask turns = (x.from.w > 0.0) & (x.to.w <= 0.0) & ~done;
-    peak = select(done, peak, most(peak, x.to.u));
-    if (!any(turns)) return;
-    const Real share = x.from.w / (x.from.w - x.to.w);
-    peak = select(turns, most(peak, travelIn(x, share)), peak);
-  }
-
-  /// Lanes that came over their barrier in this step: how much energy they had left there.
-  __attribute__((noinline)) void enter(Mask changed, Mask now, const Step& x, const Barrier& next) {
-    const Real before = x.from.u - barrier.travel, moves = next.travel - barrier.travel;
-    Real low = Real(0.0), high = Real(1.0), share = Real(0.5);
-    for (int i = 0; i < 30; ++i) {
-      const Mask stays = same((travelIn(x, share) - (barrier.travel + share * moves) < 0.0), (before < 0.0));
-      low = select(stays, share, low);
-      high = select(stays, high, share);
-      share = 0.5 * (low + high);
-    }
-    const Load load = {x.load_from.force + share * (x.load_to.force - x.load_from.force),
-                       x.load_from.specific + share * (x.load_to.specific - x.load_from.specific)};
-    const Branch b = basins.branchAt(load.specific);
-    const Mask over = load.force >= b.peak_force, under = load.force <= b.valley_force;
-    const Real excess =
-        select(over, (load.force - b.peak_force) * (s.equilibria.barrier - b.peak),
-               select(under, (b.valley_force - load.force) * (b.valley - s.equilibria.barrier), Real(0.0)));
-    const Real energy = basins.kinetic(travelIn(x, share), rateIn(x, share) - moves / x.length) + excess;
-    entry = select(changed, energy / basins.barrierOf(~now), entry);
-    hold = select(changed, Real(FAR), hold);
-    earlier = select(changed, Real(-FAR), earlier);
-    last = select(changed, Real(-FAR), last);
-    side = choose(changed, now, side);
-  }
-
-  /// Where the state before was the closest to the barrier, its clearance counts.
-  __attribute__((noinline)) void approach(const Step& x, Real distance) {
-    const Mask close = (last <= earlier) & (last < distance) & barrier.exists() & ~done;
-    if (any(close)) {
-      Real rest = Real(0.0);
-      const Mask held = basins.equilibrium(side, x.load_from, barrier.branch, close, &rest);
-      const Mask flank = (x.from.u - rest) * (barrier.travel - x.from.u) >= 0.0;
-      const Real clear = basins.clearance(side, x.from.u, Real(0.0), x.load_from, barrier) / basins.barrierOf(side);
-      hold = select(close & held & flank, least(hold, clear), hold);
-    }
-    earlier = last;
-    last = distance;
-  }
-
-  void add(const Step& x) {
-    turning(x);
-    const Barrier next = basins.barrierUnder(x.load_to, barrier.travel, ~done);
-    const Mask now = sideOf(next, x.to.u), changed = (now ^ side) & ~done;
-    if (any(changed)) enter(changed, now, x, next);
-    approach(x, magnitude(x.to.u - next.travel));
-    barrier = next;
-  }
-
-  /// Lanes that are calm in a basin that holds, now and at the terminal speed, get their margin and are done.
-  __attribute__((noinline)) void look(const Step& x, Real thrust, Real ring) {
-    const Real end_thrust = a.after * a.max_thrust;
-    const Mask calm = (magnitude(thrust - end_thrust) <= 1e-3 * a.max_thrust) & ~done;
-    if (!any(calm)) return;
-    const Load& load = x.load_to;
-    Real rest = Real(0.0);
-    const Mask held = basins.equilibrium(side, load, barrier.branch, calm, &rest);
-    const Real moving = basins.kinetic(x.to.u, x.to.w);
-    const Real excess = moving + basins.energy(x.to.u, load) - basins.energy(rest, load);
-    const Real low = least(basins.barrierOf(none()), basins.barrierOf(~none()));
-    const Real clear = basins.clearance(side, rest, Real(0.0), load, barrier);
-    const Mask slow = excess <= least(s.settled_share * low, 0.25 * clear);
-    const Mask found = calm & held & slow & holdsAtTheEnd(end_thrust, ring, x.to.w);
-    if (!any(found)) return;
-    const Real here = basins.clearance(side, x.to.u, moving, load, barrier) / basins.barrierOf(side);
-    const Real distance = clamp(least(least(entry, hold), here), Real(0.0), Real(LARGEST_MARGIN));
-    const Mask over = s.start == vehicle::Mode::FIXED_WING ? side : ~side;
-    margin = select(found, select(over, distance, -distance), margin);
-    snapped = snapped | (over & found);
-    done = done | found;
-  }
-
- private:
-  Mask holdsAtTheEnd(Real thrust, Real ring, Real w) const {
-    Real speed = Real(0.0);
-    Real rate = w;
-    if (!s.held) {
-      const Real drag = a.ring_drag + a.centre_drag, push = thrust - a.all * s.gravity;
-      const Real terminal = root(magnitude(push) / drag);
-      speed = select(drag > 0.0, select(push < 0.0, -terminal, terminal), ring - w);
-      rate = Real(0.0);
-    }
-    const Load load = loadOf(s, a, thrust, speed, rate);
-    const Branch b = basins.branchAt(load.specific);
-    return choose(side, load.force > b.valley_force, load.force < b.peak_force);
+  RungeKutta(const EnsembleScene& s, const Vehicles& a, const Instant& from, const Clock& clock, Real dt) {
+    const MotionInLanes& x = from.at;
+    const auto moved = [&](const MotionInLanes& rate, Real by) {
+      return MotionInLanes{x.u + by * rate.u, x.v + by * rate.v, x.p + by * rate.p};
+    };
+    const Real half = decayed(0.5 * dt * clock.lag_inverse), off = (from.thrust - clock.wanted) * half;
+    const Real middle = clock.wanted + off, last = clock.wanted + off * half;
+    const MotionInLanes& k1 = from.rate;
+    const MotionInLanes k2 = instantOf<ARMS, WINGS>(s, a, middle, Real(0.0), moved(k1, 0.5 * dt)).rate;
+    const MotionInLanes k3 = instantOf<ARMS, WINGS>(s, a, middle, Real(0.0), moved(k2, 0.5 * dt)).rate;
+    const MotionInLanes k4 = instantOf<ARMS, WINGS>(s, a, last, Real(0.0), moved(k3, dt)).rate;
+    const Real sixth = dt * (1.0 / 6.0);
+    const MotionInLanes to = {x.u + sixth * (k1.u + 2.0 * (k2.u + k3.u) + k4.u),
+                              x.v + sixth * (k1.v + 2.0 * (k2.v + k3.v) + k4.v),
+                              x.p + sixth * (k1.p + 2.0 * (k2.p + k3.p) + k4.p)};
+    end = instantOf<ARMS, WINGS>(s, a, last, clock.thrustRate(last), to);
+    error = dt * most(magnitude(k4.v - end.rate.v), magnitude(k4.u - end.rate.u) * (1.0 / SLOW));
   }
 };
 
-/// One step of the classical Runge-Kutta method. @param thrust  at begin, middle and end
-template <bool ARMS, bool WINGS>
-MotionInLanes advance(const EnsembleScene& s, const Vehicles& a, const MotionInLanes& x, Real dt,
-                      const Real (&thrust)[3]) {
-  const auto moved = [&](const MotionInLanes& rate, Real by) {
-    return MotionInLanes{x.u + by * rate.u, x.w + by * rate.w, x.p + by * rate.p};
-  };
-  const MotionInLanes k1 = rateOf<ARMS, WINGS>(s, a, thrust[0], x);
-  const MotionInLanes k2 = rateOf<ARMS, WINGS>(s, a, thrust[1], moved(k1, 0.5 * dt));
-  const MotionInLanes k3 = rateOf<ARMS, WINGS>(s, a, thrust[1], moved(k2, 0.5 * dt));
-  const MotionInLanes k4 = rateOf<ARMS, WINGS>(s, a, thrust[2], moved(k3, dt));
-  const Real sixth = dt / 6.0;
-  return {x.u + sixth * (k1.u + 2.0 * (k2.u + k3.u) + k4.u), x.w + sixth * (k1.w + 2.0 * (k2.w + k3.w) + k4.w),
-          x.p + sixth * (k1.p + 2.0 * (k2.p + k3.p) + k4.p)};
+static inline void keep(Mask taken, const Instant& to, Instant* now) {
+  const auto blend = [&](const Real& yes, Real& no) { no = select(taken, yes, no); };
+  blend(to.thrust, now->thrust), blend(to.ring, now->ring), blend(to.w, now->w);
+  blend(to.at.u, now->at.u), blend(to.at.v, now->at.v), blend(to.at.p, now->at.p);
+  blend(to.rate.u, now->rate.u), blend(to.rate.v, now->rate.v), blend(to.rate.p, now->rate.p);
+  blend(to.load.force, now->load.force), blend(to.load.specific, now->load.specific);
+  blend(to.load_rate.force, now->load_rate.force), blend(to.load_rate.specific, now->load_rate.specific);
 }
 
-static inline Real decay(Real dt, Real time) {
-  Real e;
-  for (int l = 0; l < LANES; ++l) {
-    const int i = l / NATIVE, k = l % NATIVE;
-    e.part[i][k] = std::exp(-0.5 * dt.part[i][k] / time.part[i][k]);
-  }
-  return e;
+static inline void keep(Mask taken, const Barrier& to, Barrier* now) {
+  const auto blend = [&](const Real& yes, Real& no) { no = select(taken, yes, no); };
+  blend(to.travel, now->travel), blend(to.stiffness, now->stiffness), blend(to.coupled, now->coupled);
+  blend(to.branch.peak, now->branch.peak), blend(to.branch.peak_force, now->branch.peak_force);
+  blend(to.branch.valley, now->branch.valley), blend(to.branch.valley_force, now->branch.valley_force);
+  now->over = choose(taken, to.over, now->over);
+  now->under = choose(taken, to.under, now->under);
 }
 
 template <bool ARMS, bool WINGS>
-Real ringSpeed(const EnsembleScene& s, const Vehicles& a, const MotionInLanes& x) {
-  const Moved m = movedAt<ARMS, WINGS>(s.curves, a, x.u, locate(s.curves, x.u));
-  return (x.p + (a.centre_mass - m.coupled) * x.w) * a.all_inverse;
-}
-
-template <bool ARMS, bool WINGS>
-void runLanes(const EnsembleScene& s, const EnsembleBlock& block, EnsembleResult* result) {
-  const Vehicles a(block);
-  const Basins<ARMS, WINGS> basins{s, a};
-  Real thrust = a.before * a.max_thrust;
-  const Real speed = Real(s.held ? 0.0 : s.initial_speed);
-  Load load = loadOf(s, a, thrust, speed, Real(0.0));
+Instant begin(const EnsembleScene& s, const Vehicles& a, const Basins<ARMS, WINGS>& basins) {
+  const Real thrust = a.before * a.max_thrust, speed = Real(s.held ? 0.0 : s.initial_speed);
+  const Load load = loadOf(s, a, thrust, speed, Real(0.0));
   const Mask start = s.start == vehicle::Mode::FIXED_WING ? none() : ~none();
-  MotionInLanes x{Real(0.0), Real(0.0), s.held ? Real(0.0) : a.all * s.initial_speed};
+  MotionInLanes x{Real(FAR), Real(0.0), s.held ? Real(0.0) : a.all * s.initial_speed};
   const Mask held = basins.equilibrium(start, load, basins.branchAt(load.specific), ~none(), &x.u);
   x.u = select(held, x.u, select(start, Real(s.equilibria.second), Real(s.equilibria.first)));
-  Watch<ARMS, WINGS> watch(s, a, x.u, load);
+  return instantOf<ARMS, WINGS>(s, a, thrust, Real(0.0), x);
+}
 
-  const Real lengths[] = {a.latency, a.duration, a.hold_duration, Real(s.horizon)};
-  const Real demands[] = {a.before, a.during, a.hold, a.after};
-  for (int part = 0; part < EnsembleScene::PARTS; ++part) {
-    const int count = s.steps[part];
-    if (count == 0) continue;
-    const Real dt = most(lengths[part] / static_cast<double>(count), Real(1e-12));
-    const Real wanted = demands[part] * a.max_thrust;
-    const Real half = decay(dt, select(wanted > thrust, a.time_up, a.time_down));
-    for (int i = 0; i < count; ++i) {
-      const Real off = (thrust - wanted) * half;
-      const Real stages[3] = {thrust, wanted + off, wanted + off * half};
-      Step step;
-      step.from = x;
-      step.load_from = load;
-      step.length = dt;
-      x = advance<ARMS, WINGS>(s, a, x, dt, stages);
-      thrust = stages[2];
-      const Real ring = ringSpeed<ARMS, WINGS>(s, a, x);
-      load = loadOf(s, a, thrust, ring, x.w);
-      step.to = x;
-      step.load_to = load;
-      watch.add(step);
-      if (part + 1 < EnsembleScene::PARTS || (i % LOOK_EVERY != LOOK_EVERY - 1 && i + 1 < count)) continue;
-      watch.look(step, thrust, ring);
-      if (all(watch.done)) break;
-    }
+template <bool ARMS, bool WINGS>
+__attribute__((noinline)) void runLanes(const EnsembleScene& s, const EnsembleBlock& block, EnsembleResult* results) {
+  const Vehicles a(block);
+  const Basins<ARMS, WINGS> basins(s, a);
+  Instant now = begin<ARMS, WINGS>(s, a, basins);
+  Barrier barrier = basins.barrierUnder(now.load, Real(s.equilibria.barrier), ~none());
+  Watch<ARMS, WINGS> watch(basins, now.at.u, barrier);
+  Clock clock(s, a, &now);
+  while (!all(watch.done)) {
+    const Real dt = clock.next(), rate = barrier.rate(now.load_rate);
+    const RungeKutta<ARMS, WINGS> moved(s, a, now, clock, dt);
+    const Real guess = select(barrier.exists(), barrier.travel + dt * rate, barrier.travel);
+    const Barrier then = basins.barrierUnder(moved.end.load, guess, ~watch.done);
+    const Real rate_then = then.rate(moved.end.load_rate);
+    const Step step = {now, moved.end, barrier, then, dt, rate, rate_then};
+    const auto seen = watch.see(step);
+    const Mask taken = clock.judge(moved.error, watch.vague(step, seen)) & ~watch.done;
+    watch.add(step, seen, taken);
+    const Mask looks = clock.inLastPart() & taken;
+    if (any(looks)) watch.look(step, looks);
+    keep(taken, moved.end, &now);
+    keep(taken, then, &barrier);
+    clock.advance(a, taken, &now);
+    watch.done = watch.done | clock.over();
+    watch.lose(~(now.at.v - now.at.v == 0.0));
   }
-  watch.margin.store(&result->margin);
-  watch.peak.store(&result->peak_travel);
-  select(watch.snapped, 1.0, 0.0).store(&result->snapped);
+  for (int l = 0; l < LANES; ++l) results[l] = {watch.margin[l], watch.peak[l], watch.snapped[l]};
 }
 
 }  // namespace
 
 /// Leaves out what the trial does not need.
-static inline void run(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result) {
+static inline void run(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results) {
   if (scene.arms) {
-    scene.wings ? runLanes<true, true>(scene, block, result) : runLanes<true, false>(scene, block, result);
+    scene.wings ? runLanes<true, true>(scene, block, results) : runLanes<true, false>(scene, block, results);
   } else {
-    scene.wings ? runLanes<false, true>(scene, block, result) : runLanes<false, false>(scene, block, result);
+    scene.wings ? runLanes<false, true>(scene, block, results) : runLanes<false, false>(scene, block, results);
   }
 }
 

@@ -1,4 +1,4 @@
-// The trial of eight vehicles with the vectors of AVX2.
+// The trials with the vectors of AVX2.
 #include <cmath>
 
 #include "ensemble_run.h"
@@ -11,7 +11,7 @@
 #include "ensemble_kernel.h"
 
 namespace snapwing::rom {
-void runBlockMiddle(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result) {
-  middle::run(scene, block, result);
+void runBlockMiddle(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results) {
+  middle::run(scene, block, results);
 }
 }  // namespace snapwing::rom

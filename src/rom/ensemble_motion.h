@@ -7,31 +7,15 @@ namespace snapwing::rom::SNAPWING_WIDTH {
 
 /// EnsembleBlock in vectors.
 struct Vehicles {
-  Real ring_mass, centre_mass, all, all_inverse, force_scale, damping, max_thrust, time_up, time_down, latency;
-  Real ring_drag, centre_drag, boom_friction, wing_inertia, wing_friction, before, during, hold, after, duration,
-      hold_duration;
-  explicit Vehicles(const EnsembleBlock& b)
-      : ring_mass(b.ring_mass),
-        centre_mass(b.centre_mass),
-        all(b.all),
-        all_inverse(b.all_inverse),
-        force_scale(b.force_scale),
-        damping(b.damping),
-        max_thrust(b.max_thrust),
-        time_up(b.time_up),
-        time_down(b.time_down),
-        latency(b.latency),
-        ring_drag(b.ring_drag),
-        centre_drag(b.centre_drag),
-        boom_friction(b.boom_friction),
-        wing_inertia(b.wing_inertia),
-        wing_friction(b.wing_friction),
-        before(b.before),
-        during(b.during),
-        hold(b.hold),
-        after(b.after),
-        duration(b.duration),
-        hold_duration(b.hold_duration) {}
+#define SNAPWING_NUMBER(name) Real name;
+  SNAPWING_VEHICLE_NUMBERS(SNAPWING_NUMBER)
+#undef SNAPWING_NUMBER
+
+  explicit Vehicles(const EnsembleBlock& block) {
+#define SNAPWING_NUMBER(name) name = Real(block.name);
+    SNAPWING_VEHICLE_NUMBERS(SNAPWING_NUMBER)
+#undef SNAPWING_NUMBER
+  }
 };
 
 struct Place {
@@ -65,63 +49,78 @@ static inline Beyond beyond(const CurvesView& c, Real u, const Place& p) {
 struct ForceSample {
   Real force, stiffness;
 };
-static inline ForceSample arms(const CurvesView& c, Real u, const Place& p) {
-  const Index row = p.cell * UniformCurves::FORCE_ROW;
-  const double* base = c.force;
-  const Real d = p.distance, c1 = pick(base + 1, row), c2 = pick(base + 2, row), c3 = pick(base + 3, row);
-  const Beyond b = beyond(c, u, p);
-  return {pick(base, row) + d * (c1 + d * (c2 + d * c3)) + b.by * (b.stiffness + 0.5 * b.by * b.growth),
-          c1 + d * (2.0 * c2 + d * (3.0 * c3)) + b.by * b.growth};
-}
-static inline Real armsEnergy(const CurvesView& c, Real u, const Place& p) {
-  const Index row = p.cell * UniformCurves::FORCE_ROW;
-  const double* base = c.force;
-  const Real d = p.distance;
-  const Beyond b = beyond(c, u, p);
-  return pick(base + 4, row) +
-         d * (pick(base, row) +
-              d * (0.5 * pick(base + 1, row) + d * (pick(base + 2, row) / 3.0 + d * (0.25 * pick(base + 3, row))))) +
-         b.by * (b.force + b.by * (0.5 * b.stiffness + b.by * b.growth / 6.0));
-}
 
+/// What moves with the travel, arms and wings, as InertiaSample; without the moment.
 struct Moved {
   Real kinetic, kinetic_slope, coupled, coupled_slope, friction;
 };
-static inline void addMoved(const double* table, Real u, const Place& p, Real scale, Moved* sum) {
-  const Index row = p.cell * UniformCurves::INERTIA_ROW;
-  const double* base = table;
+/// All that the curves say of a travel.
+struct Curves {
+  ForceSample arms;  ///< of force scale 1
+  Moved moved;
+};
+/// K is left out unless it is asked for: loads on the travel do without.
+template <bool ARMS, bool WINGS, bool KINETIC>
+__attribute__((always_inline)) static inline Curves curvesAt(const CurvesView& c, const Vehicles& a, Real u) {
+  const Place p = locate(c, u);
   const Real d = p.distance;
-  const Real k1 = pick(base + 1, row), k2 = pick(base + 2, row), k3 = pick(base + 3, row);
-  const Real s1 = pick(base + 5, row), s2 = pick(base + 6, row), s3 = pick(base + 7, row);
-  const Mask in = u == p.inside;
-  sum->kinetic = sum->kinetic + scale * (pick(base, row) + d * (k1 + d * (k2 + d * k3)));
-  sum->coupled = sum->coupled + scale * (pick(base + 4, row) + d * (s1 + d * (s2 + d * s3)));
-  sum->kinetic_slope = sum->kinetic_slope + select(in, scale * (k1 + d * (2.0 * k2 + d * (3.0 * k3))), Real(0.0));
-  sum->coupled_slope = sum->coupled_slope + select(in, scale * (s1 + d * (2.0 * s2 + d * (3.0 * s3))), Real(0.0));
-}
-template <bool ARMS, bool WINGS>
-static inline Moved movedAt(const CurvesView& c, const Vehicles& a, Real u, const Place& p) {
-  Moved m{0.0, 0.0, 0.0, 0.0, 0.0};
-  if (ARMS) addMoved(c.arms, u, p, Real(1.0), &m);
-  if (WINGS) {
-    addMoved(c.wings, u, p, a.wing_inertia, &m);
-    const Index row = p.cell * UniformCurves::INERTIA_ROW;
-    m.friction = a.wing_friction * (pick(c.wings + 9, row) + p.distance * pick(c.wings + 10, row));
+  Real f[8], w[8], k[8];
+  columns(c.force, p.cell, f);
+  if (WINGS) columns(c.wings, p.cell, w);
+  if (KINETIC) columns(c.kinetic, p.cell, k);
+  const Beyond b = beyond(c, u, p);
+  Curves r;
+  r.arms = {f[0] + d * (f[1] + d * (f[2] + d * f[3])) + b.by * (b.stiffness + 0.5 * b.by * b.growth),
+            f[1] + d * (2.0 * f[2] + d * (3.0 * f[3])) + b.by * b.growth};
+  Moved& m = r.moved;
+  m = {Real(0.0), Real(0.0), Real(0.0), Real(0.0), Real(0.0)};
+  if (ARMS) {
+    m.coupled = f[4] + d * (f[5] + d * f[6]);
+    m.coupled_slope = f[5] + 2.0 * d * f[6];
   }
-  return m;
-}
-static inline Real moment(const double* table, Real u, const Place& p) {
-  const Index row = p.cell * UniformCurves::INERTIA_ROW;
-  const double* base = table;
-  const Real d = p.distance;
-  const Real s0 = pick(base + 4, row), s1 = pick(base + 5, row), s2 = pick(base + 6, row), s3 = pick(base + 7, row);
-  const Real end = s0 + d * (s1 + d * (s2 + d * s3));
-  return pick(base + 8, row) + d * (s0 + d * (0.5 * s1 + d * (s2 / 3.0 + d * (0.25 * s3)))) + end * (u - p.inside);
+  if (WINGS) {
+    m.coupled = m.coupled + a.wing_inertia * (w[0] + d * (w[1] + d * w[2]));
+    m.coupled_slope = m.coupled_slope + a.wing_inertia * (w[1] + 2.0 * d * w[2]);
+    m.friction = a.wing_friction * (w[3] + d * w[4]);
+  }
+  if (ARMS && KINETIC) {
+    m.kinetic = k[0] + d * (k[1] + d * k[2]);
+    m.kinetic_slope = k[1] + 2.0 * d * k[2];
+  }
+  if (WINGS && KINETIC) {
+    m.kinetic = m.kinetic + a.wing_inertia * (k[3] + d * (k[4] + d * k[5]));
+    m.kinetic_slope = m.kinetic_slope + a.wing_inertia * (k[4] + 2.0 * d * k[5]);
+  }
+  return r;
 }
 
-/// Travel, its rate, common momentum.
+/// Potential energy under a load.
+template <bool ARMS, bool WINGS>
+static inline Real energyAt(const CurvesView& c, const Vehicles& a, Real u, Real force, Real specific) {
+  const Place p = locate(c, u);
+  const Real d = p.distance;
+  Real f[8], w[8];
+  columns(c.force, p.cell, f);
+  const Beyond b = beyond(c, u, p);
+  const Real elastic = f[7] + d * (f[0] + d * (0.5 * f[1] + d * (f[2] * (1.0 / 3.0) + d * (0.25 * f[3])))) +
+                       b.by * (b.force + b.by * (0.5 * b.stiffness + b.by * b.growth * (1.0 / 6.0)));
+  Real e = a.force_scale * elastic - force * u;
+  if (!ARMS && !WINGS) return e;
+  columns(c.wings, p.cell, w);
+  const auto moment = [&](Real begin, Real s0, Real s1, Real s2) {
+    const Real end = s0 + d * (s1 + d * s2);
+    return begin + d * (s0 + d * (0.5 * s1 + d * s2 * (1.0 / 3.0))) + end * b.by;
+  };
+  if (ARMS) e = e + specific * moment(w[5], f[4], f[5], f[6]);
+  if (WINGS) e = e + specific * a.wing_inertia * moment(w[6], w[0], w[1], w[2]);
+  return e;
+}
+
+/// Travel, v = sqrt(m) u', common momentum. v^2 / 2 is the kinetic energy of the relative motion and v' = (force on the
+/// travel) / sqrt(m): where the inertia m(u) of the wings turns within a millimetre, steps of some millimetres see it
+/// in the travel's rate alone, and no term with dm/du is left.
 struct MotionInLanes {
-  Real u, w, p;
+  Real u, v, p;
 };
 struct Load {
   Real force, specific;  ///< as RelativeLoad
@@ -131,7 +130,6 @@ struct Load {
 struct Inertia {
   Real mass, slope, lag;
 };
-template <bool ARMS, bool WINGS>
 static inline Inertia inertiaOf(const Vehicles& a, const Moved& m) {
   Inertia i;
   i.lag = a.centre_mass - m.coupled;
@@ -141,34 +139,84 @@ static inline Inertia inertiaOf(const Vehicles& a, const Moved& m) {
   return i;
 }
 
-static inline Real ringResistance(const EnsembleScene& s, const Vehicles& a, Real ring) {
-  Real r = a.ring_drag * magnitude(ring) * ring;
-  if (s.on_boom) r = r + a.boom_friction * ring / root(ring * ring + s.friction_speed * s.friction_speed);
+/// A force against a speed, and what it gains with it.
+struct Against {
+  Real force, slope;
+};
+__attribute__((always_inline)) static inline Against ringResistance(const EnsembleScene& s, const Vehicles& a,
+                                                                    Real ring) {
+  const Real pull = a.ring_drag * magnitude(ring);
+  Against r = {pull * ring, 2.0 * pull};
+  if (s.on_boom) {
+    const Real square = ring * ring + s.friction_speed * s.friction_speed, rub = a.boom_friction / root(square);
+    r.force = r.force + rub * ring;
+    r.slope = r.slope + rub * (s.friction_speed * s.friction_speed) / square;
+  }
   return r;
 }
 
-/// @param ring  its speed [m/s]; w: rate of the travel
+/// The motion at one instant, with what drives it.
+struct Instant {
+  MotionInLanes at, rate;
+  Real thrust, w, ring;  ///< w: u' [m/s]; ring: its speed [m/s]
+  Real pull, stiffness;  ///< force on the travel without friction and damping [N], and how it falls with the travel
+  Load load, load_rate;
+};
+
+/// Equations of motion. What the caller does not use is not evaluated. @param thrust_rate  counts in load_rate only
+template <bool ARMS, bool WINGS>
+__attribute__((always_inline)) static inline Instant instantOf(const EnsembleScene& s, const Vehicles& a, Real thrust,
+                                                               Real thrust_rate, const MotionInLanes& x) {
+  const Curves c = curvesAt < ARMS, WINGS, ARMS || WINGS > (s.curves, a, x.u);
+  const Inertia i = inertiaOf(a, c.moved);
+  Instant n;
+  n.at = x;
+  n.thrust = thrust;
+  Real inverse, pins = Real(0.0);  // 1 / sqrt(m); u' / sqrt(u'^2 + v_f^2) of the pins that rub
+  if (WINGS) {
+    const Real one = root(i.mass), other = root(x.v * x.v + i.mass * (s.friction_speed * s.friction_speed));
+    const Real both = 1.0 / (one * other);
+    inverse = both * other;
+    pins = x.v * (both * one);
+  } else {
+    inverse = 1.0 / root(i.mass);
+  }
+  n.w = x.v * inverse;
+  n.ring = s.held ? Real(0.0) : (x.p + i.lag * n.w) * a.all_inverse;
+  const Real centre = n.ring - n.w, pull = a.centre_drag * magnitude(centre), drag = pull * centre;
+  Against against = {Real(0.0), Real(0.0)};
+  Real push = Real(0.0);
+  if (!s.held) {
+    against = ringResistance(s, a, n.ring);
+    push = thrust + s.push - against.force - drag - a.all * s.gravity;
+  }
+  n.pull = drag + i.lag * s.gravity + i.lag * a.all_inverse * push - a.force_scale * c.arms.force;
+  n.stiffness = a.force_scale * c.arms.stiffness;
+  Real relative = n.pull - a.damping * n.w;
+  if (WINGS) relative = relative - c.moved.friction * pins;
+  n.rate = {n.w, relative * inverse, push};
+
+  const Real w_rate = (relative - 0.5 * i.slope * n.w * n.w) * (inverse * inverse);
+  if (s.held) {
+    n.load = {a.centre_mass * s.gravity + drag, Real(s.gravity)};
+    n.load_rate = {-2.0 * pull * w_rate, Real(0.0)};
+    return n;
+  }
+  const Real ring_rate = (push + i.lag * w_rate - c.moved.coupled_slope * n.w * n.w) * a.all_inverse;
+  const Real driving = thrust + s.push - against.force, driving_rate = thrust_rate - against.slope * ring_rate;
+  const Real drag_rate = 2.0 * pull * (ring_rate - w_rate);
+  n.load = {(a.centre_mass * driving + a.ring_mass * drag) * a.all_inverse, (driving - drag) * a.all_inverse};
+  n.load_rate = {(a.centre_mass * driving_rate + a.ring_mass * drag_rate) * a.all_inverse,
+                 (driving_rate - drag_rate) * a.all_inverse};
+  return n;
+}
+
+/// The load at a thrust and a speed of the whole vehicle.
 static inline Load loadOf(const EnsembleScene& s, const Vehicles& a, Real thrust, Real ring, Real w) {
   const Real centre = ring - w, drag = a.centre_drag * magnitude(centre) * centre;
   if (s.held) return {a.centre_mass * s.gravity + drag, Real(s.gravity)};
-  const Real push = thrust + s.push - ringResistance(s, a, ring);
+  const Real push = thrust + s.push - ringResistance(s, a, ring).force;
   return {(a.centre_mass * push + a.ring_mass * drag) * a.all_inverse, (push - drag) * a.all_inverse};
-}
-
-template <bool ARMS, bool WINGS>
-static inline MotionInLanes rateOf(const EnsembleScene& s, const Vehicles& a, Real thrust, const MotionInLanes& x) {
-  const Place place = locate(s.curves, x.u);
-  const Real force = a.force_scale * arms(s.curves, x.u, place).force;
-  const Moved m = movedAt<ARMS, WINGS>(s.curves, a, x.u, place);
-  const Inertia i = inertiaOf<ARMS, WINGS>(a, m);
-  const Real ring = (x.p + i.lag * x.w) * a.all_inverse, centre = ring - x.w;
-  const Real drag = a.centre_drag * magnitude(centre) * centre;
-  Real push = Real(0.0);
-  if (!s.held) push = thrust + s.push - ringResistance(s, a, ring) - drag - a.all * s.gravity;
-  Real relative = drag + i.lag * s.gravity + i.lag * a.all_inverse * push - force - a.damping * x.w;
-  if (ARMS || WINGS) relative = relative - 0.5 * i.slope * x.w * x.w;
-  if (WINGS) relative = relative - m.friction * x.w / root(x.w * x.w + s.friction_speed * s.friction_speed);
-  return {x.w, relative / i.mass, push};
 }
 
 }  // namespace snapwing::rom::SNAPWING_WIDTH

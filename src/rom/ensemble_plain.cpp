@@ -1,4 +1,4 @@
-// The trial of eight vehicles with vectors that every processor has.
+// The trials with vectors that every processor has.
 #include <cmath>
 
 #include "ensemble_run.h"
@@ -9,8 +9,8 @@
 
 namespace snapwing::rom {
 
-void runBlockPlain(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result) {
-  plain::run(scene, block, result);
+void runBlockPlain(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results) {
+  plain::run(scene, block, results);
 }
 
 RunBlock widestRunBlock() {

@@ -1,37 +1,54 @@
 #pragma once
-/// Runs the trials of eight vehicles in one vector. Private to the layer.
+/// Runs the trials of vehicles side by side. Private to the layer.
 
 #include "ensemble_tables.h"
 #include "snapwing/vehicle/mode.h"
 
 namespace snapwing::rom {
 
-constexpr int LANES = 8;
-struct EightReals {
+/// Vehicles side by side.
+constexpr int LANES = 16;
+/// One number of each.
+struct LaneReals {
   alignas(64) double lane[LANES];
 };
 
-/// Parameters of eight vehicles as they count in one trial (with the boom's share, if there is one).
+/// What a vehicle is in one trial (with the boom's share, if there is one). Masses [kg]; all = ring + centre,
+/// all_inverse is 0 if the ring is held; before, during, hold, after: steady thrust / full thrust; duration [s] of the
+/// pulse, hold_duration of the level behind it.
+#define SNAPWING_VEHICLE_NUMBERS(EACH) \
+  EACH(ring_mass)                      \
+  EACH(centre_mass)                    \
+  EACH(all)                            \
+  EACH(all_inverse)                    \
+  EACH(force_scale)                    \
+  EACH(damping)                        \
+  EACH(max_thrust)                     \
+  EACH(time_up)                        \
+  EACH(time_down)                      \
+  EACH(latency)                        \
+  EACH(ring_drag)                      \
+  EACH(centre_drag)                    \
+  EACH(boom_friction)                  \
+  EACH(wing_inertia)                   \
+  EACH(wing_friction) EACH(before) EACH(during) EACH(hold) EACH(after) EACH(duration) EACH(hold_duration)
+
 struct EnsembleBlock {
-  EightReals ring_mass, centre_mass, all;  ///< [kg]; all = ring + centre
-  EightReals all_inverse;                  ///< 1 / all, 0 if the ring is held
-  EightReals force_scale, damping, max_thrust, time_up, time_down, latency;
-  EightReals ring_drag, centre_drag, boom_friction;
-  EightReals wing_inertia, wing_friction;
-  EightReals before, during, hold, after;  ///< steady thrust / full thrust
-  EightReals duration, hold_duration;      ///< [s] of the pulse, and of the level behind it
+#define SNAPWING_NUMBER(name) LaneReals name;
+  SNAPWING_VEHICLE_NUMBERS(SNAPWING_NUMBER)
+#undef SNAPWING_NUMBER
 };
 
 /// UniformCurves and BranchTable as plain numbers and pointers.
 struct CurvesView {
-  const double *force, *arms, *wings;
+  const EightReals *force, *wings, *kinetic;
   double low, high, width;
   int cells;
   PotentialSample at_low, at_high;
   double growth_low, growth_high;
 };
 struct BranchView {
-  const double* rows;
+  const EightReals* rows;
   double low, step, wing_low, wing_step;
   int count, wing_count;
 };
@@ -45,19 +62,20 @@ struct EnsembleScene {
   bool held = false, on_boom = false, arms = false, wings = false;
   double gravity = 0, push = 0, initial_speed = 0, horizon = 0;
   double friction_speed = 0, settled_share = 0;
-  static constexpr int PARTS = 4;
-  int steps[PARTS] = {0, 0, 0, 0};  ///< before the pulse, during it, in its hold, and after
+  double step = 0;  ///< [s] the largest
 };
 
 struct EnsembleResult {
-  EightReals margin, peak_travel, snapped;  ///< snapped: 1 or 0
+  double margin, peak_travel;
+  bool snapped;
 };
 
-/// The same code for each width of the machine's vectors, with the same bits.
-using RunBlock = void (*)(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result);
-void runBlockWide(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result);    ///< AVX-512
-void runBlockMiddle(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result);  ///< AVX2
-void runBlockPlain(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result);
+/// Runs a block, with a result for each lane. The same code for each width of the machine's vectors, with the same
+/// bits.
+using RunBlock = void (*)(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results);
+void runBlockWide(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results);    ///< AVX-512
+void runBlockMiddle(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results);  ///< AVX2
+void runBlockPlain(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results);
 /// The widest that this processor has.
 RunBlock widestRunBlock();
 

@@ -8,18 +8,24 @@
 
 namespace snapwing::rom {
 
-/// Cubic pieces; beyond the grid the force stiffens as the potential does, inertia stays constant.
+/// A row of a table.
+struct EightReals {
+  alignas(64) double at[8];
+};
+
 struct CurvesView;
 struct BranchView;
 
+/// In powers of the distance from the cell's begin [m]: the force is cubic, K, S quadratic with the values of their
+/// curves at the grid's points, friction linear. Beyond the grid the force stiffens as the potential does, K and S stay
+/// constant. What is used together lies together: each row is one line of the cache.
 struct UniformCurves {
-  static constexpr int FORCE_ROW = 8;     ///< force c0 .. c3 in powers of [m], energy at the begin, padding
-  static constexpr int INERTIA_ROW = 12;  ///< K c0 .. c3, S c0 .. c3, H at the begin, friction and its slope, padding
-
   double low = 0, high = 0, width = 0;  ///< [m]
   int cells = 0;
-  std::vector<double> force;        ///< of force scale 1
-  std::vector<double> arms, wings;  ///< rows of inertia; empty: weightless arms, no wings; scales 1
+  std::vector<EightReals> force;  ///< c0 .. c3 of force scale 1, S of the arms c0 .. c2, energy at the begin
+  std::vector<EightReals> wings;  ///< S of the wings c0 .. c2, their friction c0, c1, H of arms, of wings at the begin
+  std::vector<EightReals> kinetic;  ///< K of the arms c0 .. c2, of the wings c0 .. c2
+  bool has_arms = false;            ///< arms have mass
   PotentialSample at_low, at_high;
   double growth_low = 0, growth_high = 0;  ///< [N/m2] slope of the stiffness beyond the grid: below 0, above 0
 
@@ -32,12 +38,13 @@ struct UniformCurves {
 /// Peak and valley of f(u) + x S(u), S of arms and wings, by the specific force over the force scale x and by the scale
 /// of the wings.
 struct BranchTable {
-  static constexpr int ROW = 4;  ///< peak: travel, force; valley: travel, force (of force scale 1)
-  double low = 0, step = 1;      ///< of x [m/s2]
-  int count = 1;
+  double low = 0, step = 1;  ///< of x [m/s2]
+  int count = 1;             ///< cells along x
   double wing_low = 1, wing_step = 1;
   int wing_count = 1;
-  std::vector<double> rows;  ///< rows[(wing * count + x) * ROW]
+  /// rows[wing * count + x]: travel and force of the peak, travel and force of the valley (of force scale 1), then what
+  /// these four gain within the cell.
+  std::vector<EightReals> rows;
   /// @param wings  they count; @param wing_low, wing_high  their scales that occur
   BranchTable(const UniformCurves& curves, const Equilibria& equilibria, bool wings, double wing_low, double wing_high);
   BranchView view() const;

@@ -1,4 +1,4 @@
-// The trial of eight vehicles with the vectors of AVX-512.
+// The trials with the vectors of AVX-512.
 #include <cmath>
 
 #include "ensemble_run.h"
@@ -11,7 +11,7 @@
 #include "ensemble_kernel.h"
 
 namespace snapwing::rom {
-void runBlockWide(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* result) {
-  wide::run(scene, block, result);
+void runBlockWide(const EnsembleScene& scene, const EnsembleBlock& block, EnsembleResult* results) {
+  wide::run(scene, block, results);
 }
 }  // namespace snapwing::rom

@@ -8,7 +8,8 @@
 namespace snapwing::rom {
 
 namespace {
-constexpr int POINTS = 33;  // of a scan for an extremum; a parabola through three of them places it
+constexpr int POINTS = 33;            // of a scan for an extremum, between whose neighbours the force is level
+constexpr double EXTREMUM_TO = 1e-9;  // [m]
 }  // namespace
 
 LoadedBasins::LoadedBasins(const Potential& potential, const TravelInertia* moved)
@@ -74,7 +75,31 @@ double LoadedBasins::extremum(const std::vector<Point>& points, double specific_
   const double left = at(best - 1), middle = at(best), right = at(best + 1);
   const double bend = left - 2 * middle + right;
   const double shift = bend != 0 ? std::clamp(0.5 * (left - right) / bend, -1.0, 1.0) : 0.0;
-  return points[best].travel + shift * (points[1].travel - points[0].travel);
+  const double vertex = points[best].travel + shift * (points[1].travel - points[0].travel);
+  return levelForce(specific_force, points[best - 1].travel, points[best + 1].travel, vertex);
+}
+
+// A parabola through points of the scan is off by a tenth of a millimetre, which is up to .006 of a margin. Secants of
+// the stiffness kept inside the bracket [Illinois].
+double LoadedBasins::levelForce(double specific_force, double low, double high, double guess) const {
+  const auto stiffness = [&](double u) { return sample(u, specific_force).stiffness; };
+  double at_low = stiffness(low), at_high = stiffness(high);
+  if ((at_low < 0) == (at_high < 0)) return guess;
+  double u = guess > low && guess < high ? guess : 0.5 * (low + high);
+  int kept = 0;  // the end that the step before kept: -1 low, 1 high
+  for (int i = 0; i < 60; ++i) {
+    const double here = stiffness(u);
+    const bool replaces_low = (here < 0) == (at_low < 0);
+    (replaces_low ? low : high) = u;
+    (replaces_low ? at_low : at_high) = here;
+    const int keeps = replaces_low ? 1 : -1;
+    if (keeps == kept) (replaces_low ? at_high : at_low) *= 0.5;
+    kept = keeps;
+    const double next = high - at_high * (high - low) / (at_high - at_low);
+    if (std::abs(next - u) < EXTREMUM_TO) return next;
+    u = next;
+  }
+  return u;
 }
 
 LoadedBasins::Branch LoadedBasins::branch(double specific_force) const {

@@ -88,35 +88,80 @@ INSTANTIATE_TEST_SUITE_P(Trials, EnsembleAgainstLumped,
                                          Case{"free_F", F, vehicle::Mount::FREE, false, 0, 0.61, 0.16},
                                          Case{"free_Q", Q, vehicle::Mount::FREE, false, 0, 1.0, 0.60},
                                          Case{"climbing", F, vehicle::Mount::FREE, false, 9.81, 0.61, 0.16},
+                                         Case{"wings_F", F, vehicle::Mount::FREE, true, 0, 0.61, 0.20},
                                          Case{"wings_Q", Q, vehicle::Mount::FREE, true, 0, 1.0, 0.75},
                                          Case{"hold_F", F, vehicle::Mount::FREE, false, 0, 0.61, 0.16, 0.33, 0.9},
                                          Case{"hold_wings_F", F, vehicle::Mount::FREE, true, 0, 0.61, 0.16, 0.33, 1.3}),
                          [](const auto& tried) { return std::string(tried.param.name); });
 
-TEST(Ensemble, IsTheSameForEveryWidthOfVectors) {
-  // The bits of one trial by the plain code and by the widest that this processor has.
-  const Shipped s(8);
+class EnsembleAtItsOwnStep : public testing::TestWithParam<Case> {};
+
+TEST_P(EnsembleAtItsOwnStep, HasMarginsWithinAThousandth) {
+  // Not only few vehicles' error counts, as of a worst one, but all vehicles' together.
+  const Case c = GetParam();
+  const Shipped s(64);
   vehicle::Trial trial;
-  trial.mount = vehicle::Mount::FREE;
-  const std::vector<double> durations(8, 0.2);
-  const auto widest = s.ensemble(4e-3).predict(F, {0.61}, durations, trial, 0, 8);
-  const auto plain = s.ensemble(4e-3, rom::Vectors::PLAIN).predict(F, {0.61}, durations, trial, 0, 8);
-  for (int i = 0; i < 8; ++i) {
-    EXPECT_EQ(widest[i].energy_margin, plain[i].energy_margin) << i;
-    EXPECT_EQ(widest[i].peak_travel, plain[i].peak_travel) << i;
+  trial.mount = c.mount;
+  trial.wings = c.wings;
+  std::vector<double> durations;
+  for (int i = 0; i < 64; ++i) durations.push_back(c.duration + 0.02 * (i / 32.0 - 1));
+  const rom::Ensemble ensemble = s.ensemble(rom::EnsembleSettings().model.step);
+  const auto told = ensemble.predict(c.start, c.pulse(), durations, trial, 0, ensemble.size());
+  rom::LumpedSettings fine;
+  fine.step = 1e-4;
+  double squares = 0;
+  for (int i = 0; i < 64; ++i) {
+    const rom::LumpedModel model = s.curves.model(s.vehicle.radio, s.drawn[i], fine);
+    const double truth = model.predict(c.start, {c.throttle, durations[i]}, s.vehicle.radio, trial).energy_margin;
+    if (std::abs(truth) > 5e-3) {
+      EXPECT_EQ(told[i].energy_margin > 0, truth > 0) << i;
+    }
+    squares += std::pow(told[i].energy_margin - truth, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / 64), 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Trials, EnsembleAtItsOwnStep,
+                         testing::Values(Case{"boom_F", F, vehicle::Mount::BOOM, false, 0, 0.61, 0.16},
+                                         Case{"boom_Q", Q, vehicle::Mount::BOOM, false, 0, 1.0, 0.60},
+                                         Case{"wings_F", F, vehicle::Mount::FREE, true, 0, 0.61, 0.20},
+                                         Case{"wings_Q", Q, vehicle::Mount::FREE, true, 0, 1.0, 0.75}),
+                         [](const auto& tried) { return std::string(tried.param.name); });
+
+TEST(Ensemble, IsTheSameForEveryWidthOfVectors) {
+  // The bits of a trial by the plain code and by the widest that this processor has.
+  const Shipped s(20);
+  for (const bool wings : {false, true}) {
+    for (const auto start : {F, Q}) {
+      vehicle::Trial trial;
+      trial.mount = vehicle::Mount::FREE;
+      trial.wings = wings;
+      const vehicle::Pulse pulse{start == F ? 0.61 : 1.0};
+      const std::vector<double> durations(20, start == F ? 0.2 : 0.75);
+      const auto widest = s.ensemble(8e-3).predict(start, pulse, durations, trial, 0, 20);
+      const auto plain = s.ensemble(8e-3, rom::Vectors::PLAIN).predict(start, pulse, durations, trial, 0, 20);
+      for (int i = 0; i < 20; ++i) {
+        EXPECT_EQ(widest[i].energy_margin, plain[i].energy_margin) << i;
+        EXPECT_EQ(widest[i].peak_travel, plain[i].peak_travel) << i;
+      }
+    }
   }
 }
 
 TEST(Ensemble, DoesNotCareWhoIsBesideIt) {
-  const Shipped s(11);
+  // Neighbours with other pulses take other steps and have their events at other times.
+  const Shipped s(21);
   vehicle::Trial trial;
-  trial.mount = vehicle::Mount::BOOM;
-  const std::vector<double> durations(11, 0.16);
-  const rom::Ensemble ensemble = s.ensemble(4e-3);
-  const auto all = ensemble.predict(F, {0.61}, durations, trial, 0, 11);
-  const auto last = ensemble.predict(F, {0.61}, durations, trial, 9, 2);
-  EXPECT_EQ(all[9].energy_margin, last[0].energy_margin);
-  EXPECT_EQ(all[10].energy_margin, last[1].energy_margin);
+  trial.mount = vehicle::Mount::FREE;
+  std::vector<double> durations;
+  for (int i = 0; i < 21; ++i) durations.push_back(0.1 + 0.01 * i);
+  const rom::Ensemble ensemble = s.ensemble(8e-3);
+  const auto all = ensemble.predict(F, {0.61}, durations, trial, 0, 21);
+  for (int i = 0; i < 21; ++i) {
+    const auto alone = ensemble.predict(F, {0.61}, durations, trial, i, 1);
+    EXPECT_EQ(all[i].energy_margin, alone[0].energy_margin) << i;
+    EXPECT_EQ(all[i].peak_travel, alone[0].peak_travel) << i;
+  }
 }
 
 TEST(Ensemble, FollowsTheForceBeyondTheLowEndOfTheTable) {

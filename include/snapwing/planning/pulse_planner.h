@@ -41,8 +41,8 @@ struct PlannerSettings {
   double frame_jitter = 1.0;
   bool allow_out_of_table = false;  ///< accept pulses that stretch u beyond the table or the upper limit of travel
   int threads = 2;                  ///< the result is the same for any number
-  rom::LumpedSettings model{1e-3};  ///< of the check
-  double model_step = 4e-3;         ///< [s] step of the ensemble in the search; the check uses `model`'s
+  rom::LumpedSettings model{1e-3};  ///< of predictions one at a time: of the worst vehicles that an ensemble found
+  double model_step = 8e-3;         ///< [s] largest step of the ensemble in the search; in the check half of it
   void validate() const;            ///< @throws common::Error naming the member
   /// A pulse with the hold behind it, if there is one for this direction.
   vehicle::Pulse pulse(vehicle::Mode start, double throttle, double duration) const {

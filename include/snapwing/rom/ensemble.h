@@ -1,10 +1,10 @@
 #pragma once
 /// The lumped model for many vehicles side by side: what a pulse does to each vehicle of the uncertainty box, for the
 /// search of a plan and for certificates. Same equations as LumpedModel, which stays the truth: classical Runge-Kutta
-/// of fourth order in (travel, its rate, common momentum), the thrust's lag in closed form, curves on a uniform grid,
-/// margins watched in masks. Eight vehicles share a vector and the number of steps; each has its own step length.
-/// A vehicle whose numbers become non-finite is evaluated by LumpedModel. Same bits on every
-/// processor and for any number of threads.
+/// of fourth order in (travel, root of the relative motion's kinetic energy, common momentum), the thrust's lag in
+/// closed form, curves on a uniform grid, margins watched in masks. Sixteen vehicles go side by side; each has its own
+/// time and chooses its own steps by an estimate of their error. A vehicle whose numbers become non-finite is evaluated
+/// by LumpedModel. Same bits on every processor, for any number of threads and in any company.
 
 #include <memory>
 #include <vector>
@@ -19,7 +19,9 @@ namespace snapwing::rom {
 enum class Vectors { WIDEST, PLAIN };
 
 struct EnsembleSettings {
-  LumpedSettings model{4e-3};  ///< of the same meaning; `convergence` has none here
+  /// Of the same meaning, but that a vehicle takes shorter steps where its motion wants them, and that their allowed
+  /// error grows with the largest step; `convergence` has no meaning here.
+  LumpedSettings model{8e-3};
   Vectors vectors = Vectors::WIDEST;
 };
 

@@ -66,6 +66,8 @@ class LoadedBasins {
   double solveForce(bool rising, const RelativeLoad& load, double low, double high, double guess) const;
   Branch branch(double specific_force) const;
   double extremum(const std::vector<Point>& points, double specific_force, bool largest) const;
+  /// Where the force neither rises nor falls between two travels.
+  double levelForce(double specific_force, double low, double high, double guess) const;
 
   common::Loan<const Potential> potential_;
   std::optional<common::Loan<const TravelInertia>> moved_;
