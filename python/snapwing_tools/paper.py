@@ -4,6 +4,7 @@ The paper: X. Li, J. McWilliams, M. Li, C. Sung, C. Jiang, "Soft Hybrid Aerial V
 
 import csv
 import io
+import itertools
 import json
 import math
 
@@ -19,7 +20,9 @@ WAYS = {"f_to_q": ("F", "Q"), "q_to_f": ("Q", "F")}
 # Wings on the soft arms with a stop at rest, and with something else.
 ASSUMPTIONS = {"cut": "no push after the pulse", "free": "no stop at rest", "tied": "cranks tied to the path"}
 # What would keep a wing from running through its dead point, one at a time.
-REMEDIES = {"fold_stop": "arm's end stopped at the wing's design", "stiff": "both wings 20 x friction", "bias": "central fold biased"}
+REMEDIES = {"fold_stop": "arm's end stopped at the wing's design", "bias": "central fold biased"}
+# Friction at which wings stay folded.
+STIFF = {"stiff": "both wings 20 x friction", "stiff_uneven": "left wing 20, right wing 30 x friction"}
 SETTLED = 15.0  # [deg] by which a wing at rest in F may be off
 FOLDED = 90.0  # [deg] from which on a wing counts as folded
 FRICTIONS = {"even": "even friction", "uneven": "right wing 3 x friction", "film": "both wings 5 x friction (film)"}
@@ -104,17 +107,25 @@ def travel_figure(named):
 
 
 def wing_figure(runs, way):
-    """Angles of both wings: with even, uneven and more friction, with other assumptions, with what may stop them when folded."""
-    panels = [[(key, words) for key, words in group.items() if f"hand_{way}_{key}" in runs] for group in (FRICTIONS, ASSUMPTIONS, REMEDIES)]
+    """Angles of both wings: with even, uneven and more friction, with high friction, with other assumptions, with what may stop them when folded."""
+    groups = (FRICTIONS, STIFF, ASSUMPTIONS, REMEDIES)
+    panels = [[(key, words) for key, words in group.items() if f"hand_{way}_{key}" in runs] for group in groups]
     panels = [panel for panel in panels if panel]
-    figure, axes = canvas(len(panels), 4)
-    for axis, panel in zip(axes, panels):
+    rows = (len(panels) + 1) // 2
+    figure, axes = style.figure(rows, min(len(panels), 2), 3.6 * rows, sharey=True, squeeze=False)
+    for axis, panel in itertools.zip_longest(axes.flat, panels):
+        if panel is None:
+            axis.remove()
+            continue
         for (key, words), colour in zip(panel, COLOURS):
             run = runs[f"hand_{way}_{key}"]
-            axis.plot(run.series["time_s"], run.wing("left"), color=colour, label=f"left, {words}")
-            axis.plot(run.series["time_s"], run.wing("right"), "--", color=colour, label="right")
-        axis.legend(fontsize=7)
-    axes[0].set_ylabel("wing angle [deg], 0 in F")
+            axis.plot(run.series["time_s"], run.wing("left"), color=colour, label=words)
+            axis.plot(run.series["time_s"], run.wing("right"), "--", color=colour)
+        # Above the panel: the wings swing all over it.
+        axis.legend(fontsize=7, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2, handlelength=1.5)
+        axis.set_xlabel("time [s]")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("wing angle [deg], 0 in F")
     return svg_of(figure)
 
 
@@ -268,7 +279,7 @@ def rows(runs):
     found = [boom_row(runs, way) for way in WAYS]
     for way in WAYS:
         found.append(hand_row(runs, way, FRICTIONS, ""))
-        found += [hand_row(runs, way, {key: words}, f", {words}") for key, words in {**ASSUMPTIONS, **REMEDIES}.items()]
+        found += [hand_row(runs, way, {key: words}, f", {words}") for key, words in {**ASSUMPTIONS, "stiff": STIFF["stiff"], **REMEDIES}.items()]
     return [row for row in [*found, friction_row(runs), friction_row(runs, "stiff", "stiff_uneven", ", pins with 20 x (right 30 x) friction"), film_row(runs), *battery_rows(runs), outward_row(runs, "boom_wings", "Boom with wings, from Q with full thrust"),
                                        outward_row(runs, "boom_wings_f_to_q", "Boom with wings, from F with the pulse without wings"),
                                        *variant_rows(runs)]

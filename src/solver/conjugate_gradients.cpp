@@ -7,8 +7,12 @@ namespace snapwing::solver {
 CgResult conjugateGradients(const SparsePattern& pattern, const std::vector<double>& values, const Cholesky& factor,
                             const Eigen::VectorXd& b, double tolerance, int max_iterations, Eigen::VectorXd& x) {
   CgResult result;
-  x = Eigen::VectorXd::Zero(b.size());
   Eigen::VectorXd r = b, d;
+  if (x.size() == b.size()) {
+    r -= pattern.multiply(values, x);
+  } else {
+    x = Eigen::VectorXd::Zero(b.size());
+  }
   double old_product = 0;
   while (result.iterations < max_iterations) {
     const Eigen::VectorXd s = factor.solve(r);

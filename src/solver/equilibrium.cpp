@@ -16,8 +16,12 @@ namespace {
 constexpr int CORRECTOR_ITERATIONS = 15;
 constexpr int OUTER_ITERATIONS = 40;
 
-/// Entry of a vector with which no symmetry of a body agrees.
-double unsymmetric(int k) { return common::sin(1.7 * k + 0.3); }
+/// A vector with which no symmetry of a body agrees.
+Eigen::VectorXd unsymmetricVector(Eigen::Index size) {
+  Eigen::VectorXd v(size);
+  for (int k = 0; k < size; ++k) v(k) = common::sin(1.7 * k + 0.3);
+  return v;
+}
 
 NewtonResult finish(NewtonResult result, SolveStatus status, const std::string& message) {
   result.status = status;
@@ -338,18 +342,18 @@ int EquilibriumSolver::linearise(Equilibrium& x) {
 /// while the Hessian makes no much larger load of it. @param load  H w
 void EquilibriumSolver::findProbe(const Equilibrium& x, Eigen::VectorXd& load) {
   constexpr double STILL_SOFT = 4;
-  Eigen::VectorXd push(x.z.size());
-  for (int k = 0; k < push.size(); ++k) push(k) = unsymmetric(k);
   const SparsePattern& pattern = problem_->pattern();
   if (probe_.size() > 0) {
     load = pattern.multiply(x.at.hessian, probe_);
-    if (load.norm() <= STILL_SOFT * push.norm()) return;
+    if (load.norm() <= STILL_SOFT * probe_push_) return;
   }
+  const Eigen::VectorXd push = unsymmetricVector(x.z.size());
+  probe_push_ = push.norm();
   probe_ = newton_.cholesky().solve(push);
   load = pattern.multiply(x.at.hessian, probe_);
 }
 
-int EquilibriumSolver::lineariseNear(Equilibrium& x) {
+int EquilibriumSolver::lineariseNear(Equilibrium& x, const Eigen::VectorXd& guess) {
   constexpr double ACCURACY = 1e-12, SHARE = 1e-2;
   const Cholesky& cholesky = newton_.cholesky();
   if (constraints_ != nullptr || !cholesky.definite()) return linearise(x);
@@ -357,9 +361,11 @@ int EquilibriumSolver::lineariseNear(Equilibrium& x) {
   const Eigen::VectorXd along = driven();
   problem_->controlTangent(x.at, along, x.load, control_part);
   findProbe(x, probe_load);
-  // Solved for the slope plus a hundredth of the probe: what converges then shows that no motion is unstable (see
-  // conjugate_gradients.h). Its share is large enough for eigenvalues down to -1e-8 or so to be met.
+  // Solved for the slope plus a hundredth of the probe, from a guess of the slope alone: the first residual has the
+  // probe's load, and what converges then shows that no motion is unstable (see conjugate_gradients.h). Its share is
+  // large enough for eigenvalues down to -1e-8 or so to be met.
   const double share = SHARE * x.load.norm() / probe_load.norm();
+  x.slope = guess;
   const CgResult cg =
       conjugateGradients(problem_->pattern(), x.at.hessian, cholesky, share * probe_load - x.load,
                          ACCURACY * x.load.norm(), static_cast<int>(cholesky.factorCostInSolves()), x.slope);
@@ -398,8 +404,7 @@ Equilibrium EquilibriumSolver::predict(const Equilibrium& from, double p) const 
 
 double EquilibriumSolver::softestMode(const Equilibrium& x, Eigen::VectorXd& mode, int iterations) const {
   const Eigen::VectorXd closed = Eigen::VectorXd::Zero(constraintCount());
-  mode.resize(x.z.size());
-  for (int k = 0; k < mode.size(); ++k) mode(k) = unsymmetric(k);
+  mode = unsymmetricVector(x.z.size());
   Eigen::VectorXd next, multipliers;
   double inverse = 0;
   for (int iteration = 0; iteration < iterations; ++iteration) {

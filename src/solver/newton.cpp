@@ -128,6 +128,7 @@ bool Newton::nearby(const Evaluation& at, Eigen::VectorXd& d, NewtonResult& resu
   const int worth = static_cast<int>(0.5 * cholesky_.factorCostInSolves());
   if (!factor_is_recent_ && (worth < OLD_FACTOR_STEPS || patience_-- > 0)) return false;
   const int limit = std::max(worth, 4);
+  d.resize(0);
   const CgResult cg = conjugateGradients(problem_->pattern(), at.hessian, cholesky_, -at.residual, wanted, limit, d);
   result.inner_iterations += cg.iterations;
   if (!cg.converged || !d.allFinite()) {

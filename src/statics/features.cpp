@@ -84,7 +84,7 @@ class StableInterval {
     solver::Equilibrium x = solver_.start(guess(p), p);
     for (int k = 0; k < LARGEST_COUNT; ++k) {
       if (!solver_.minimise(x).converged()) return false;
-      solver_.lineariseNear(x);
+      solver_.lineariseNear(x, slopeGuess(p));
       if (x.negative_pivots != 0 || left(x)) return false;
       const double value = zero ? x.force() : x.stiffness;
       double slope = x.stiffness;
@@ -127,8 +127,11 @@ class StableInterval {
     return common::bisect(value, 0.0, 1.0, 50);
   }
 
-  /// Polynomial through the solutions of the up to four nearest points of displacement control.
-  Eigen::VectorXd guess(double p) const {
+  /// Polynomials through the solutions, and through the slopes, of the up to four nearest points of displacement
+  /// control.
+  Eigen::VectorXd guess(double p) const { return interpolate(p, &PathPoint::solution); }
+  Eigen::VectorXd slopeGuess(double p) const { return interpolate(p, &PathPoint::slope); }
+  Eigen::VectorXd interpolate(double p, Eigen::VectorXd PathPoint::*of) const {
     std::vector<const PathPoint*> near = {&a_, &b_};
     const auto add = [&](std::size_t k, const PathPoint& beside) {
       const PathPoint& other = points_[k];
@@ -137,15 +140,15 @@ class StableInterval {
     };
     if (k_ > 0) add(k_ - 1, a_);
     if (k_ + 2 < points_.size()) add(k_ + 2, b_);
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(a_.solution.size());
+    Eigen::VectorXd value = Eigen::VectorXd::Zero(a_.solution.size());
     for (const PathPoint* i : near) {
       double weight = 1;
       for (const PathPoint* j : near) {
         if (i != j) weight *= (p - j->control) / (i->control - j->control);
       }
-      z += weight * i->solution;
+      value += weight * (i->*of);
     }
-    return z;
+    return value;
   }
 
   /// True if the energy differs from that of `a` by more than the work along the branch can.

@@ -79,7 +79,8 @@ solver::NewtonResult PathFollower::arrive(solver::Equilibrium& next) {
   result = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
   if (result.converged()) {
     // Where the guess was good enough, the last factor is that of another point.
-    result.factorizations += result.iterations == 0 ? solver_.linearise(next) : solver_.lineariseNear(next);
+    result.factorizations += result.iterations == 0 ? solver_.linearise(next)
+                                                    : solver_.lineariseNear(next, predictor_.slopeGuess(next.p(0)));
   }
   result_.iterations += result.iterations;
   result_.factorizations += result.factorizations;

@@ -58,6 +58,27 @@ Eigen::VectorXd Predictor::extrapolate(int points, double p) const {
   return value;
 }
 
+/// Derivative of extrapolate(); p is none of the points.
+Eigen::VectorXd Predictor::slopeGuess(double p) const {
+  const int points = std::min(best_, usable(p));
+  const std::size_t first = points_.size() - points;
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(points_.back().z.size());
+  for (std::size_t i = first; i < points_.size(); ++i) {
+    double basis = 1, basis_slope = 0, rate = 0;
+    for (std::size_t j = first; j < points_.size(); ++j) {
+      if (j == i) continue;
+      const double spacing = points_[i].p - points_[j].p;
+      basis *= (p - points_[j].p) / spacing;
+      basis_slope += 1 / spacing;
+      rate += 1 / (p - points_[j].p);
+    }
+    const double ahead = p - points_[i].p, square = basis * basis, square_rate = 2 * square * rate;
+    value += (square_rate * (1 - 2 * basis_slope * ahead) - 2 * square * basis_slope) * points_[i].z +
+             (square_rate * ahead + square) * points_[i].slope;
+  }
+  return value;
+}
+
 Eigen::VectorXd Predictor::guess(double p) const { return extrapolate(std::min(best_, usable(p)), p); }
 
 }  // namespace snapwing::statics

@@ -74,7 +74,8 @@ class EquilibriumSolver {
   /// As linearise(), without a new factorisation if conjugate gradients with the factor at hand find the slope in fewer
   /// solves than one costs, and meet no negative curvature: a probe in their right side shows that the Hessian is
   /// positive definite (src/solver/conjugate_gradients.h). @return number of factorisations, 0 or 1
-  int lineariseNear(Equilibrium& x);
+  /// @param guess  of dz/dp, or empty
+  int lineariseNear(Equilibrium& x, const Eigen::VectorXd& guess = Eigen::VectorXd());
   /// Evaluates a point that was linearised before and fills in its derivatives from the stored slope, without a factor.
   /// @return false if it is no equilibrium to the tolerance, or if there are constraints
   bool recall(const Eigen::VectorXd& slope, int negative_pivots, Equilibrium& x);
@@ -112,6 +113,7 @@ class EquilibriumSolver {
   TangentSystem system_;
   Evaluation trial_;
   Eigen::VectorXd probe_;  ///< of lineariseNear() since the last restart; empty before the first
+  double probe_push_ = 0;  ///< norm of the load that it was found by
   double seconds_assembly_ = 0;
 };
 

@@ -19,6 +19,8 @@ class Predictor {
   void add(double p, const Eigen::VectorXd& z, const Eigen::VectorXd& slope);
   /// Guess of z at p [m]. Requires at least one point.
   Eigen::VectorXd guess(double p) const;
+  /// Guess of dz/dp there: of the same polynomial.
+  Eigen::VectorXd slopeGuess(double p) const;
 
  private:
   struct Point {
