@@ -242,7 +242,7 @@ std::shared_ptr<const Term> WingAssembly::travelHub(int wing, const solver::Row&
 std::vector<std::string> WingAssembly::leftOut(const WingForces& of) const {
   std::vector<std::string> out{
       "folding of the blade: replaced by a rigid body, whose K differs from that of the wing's table by up to " +
-          common::toText(linkage_->bladeError()) + " of the largest K",
+          common::toText(std::round(1e3 * linkage_->bladeError()) / 10) + " % of the largest K",
       "weight of the blade's film beyond that body, play of the pins, bending of the bars"};
   out.push_back(of.air > 0 ? "air loads on the wings, except still air against their rotation"
                            : "air loads on the wings");

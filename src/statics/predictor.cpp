@@ -58,7 +58,7 @@ Eigen::VectorXd Predictor::extrapolate(int points, double p) const {
   return value;
 }
 
-/// Derivative of extrapolate(); p is none of the points.
+/// The derivative of extrapolate(). p is none of the points.
 Eigen::VectorXd Predictor::slopeGuess(double p) const {
   const int points = std::min(best_, usable(p));
   const std::size_t first = points_.size() - points;

@@ -44,10 +44,17 @@ TEST(ConjugateGradients, SolveWithTheFactorOfANearbyMatrix) {
   int last = 0;
   for (const double change : {0.0, 0.01, 0.3}) {
     const std::vector<double> values = springValues(n, change);
+    x.resize(0);
     const solver::CgResult result = solver::conjugateGradients(pattern, values, cholesky, b, 1e-10 * b.norm(), 60, x);
     ASSERT_TRUE(result.converged) << change;
     EXPECT_LE((pattern.multiply(values, x) - b).norm(), 1.01e-10 * b.norm());
     EXPECT_GE(result.iterations, last);
+    // From a guess with five digits half of the way is left.
+    x *= 1 + 1e-5;
+    const auto near = solver::conjugateGradients(pattern, values, cholesky, b, 1e-10 * b.norm(), 60, x);
+    ASSERT_TRUE(near.converged) << change;
+    EXPECT_LE((pattern.multiply(values, x) - b).norm(), 1.01e-10 * b.norm());
+    EXPECT_LE(near.iterations, (3 * result.iterations + 3) / 4);
     last = result.iterations;
   }
   EXPECT_LT(last, 40);
@@ -81,9 +88,13 @@ TEST(ConjugateGradients, AProbeMeetsEveryNegativeEigenvalue) {
     Eigen::VectorXd x;
     const double tolerance = 1e-12 * load.norm();
     const auto alone = solver::conjugateGradients(pattern, shifted, cholesky, load, tolerance, 12, x);
-    const auto probed = solver::conjugateGradients(pattern, shifted, cholesky, right, tolerance, 12, x);
+    // With and without a guess that is exact but for the probe.
+    Eigen::VectorXd from_zero;
+    const auto probed = solver::conjugateGradients(pattern, shifted, cholesky, right, tolerance, 12, from_zero);
+    const auto guessed = solver::conjugateGradients(pattern, shifted, cholesky, right, tolerance, 12, x);
     EXPECT_TRUE(alone.positive) << relative;
     EXPECT_EQ(probed.positive && probed.converged, relative > 0) << relative;
+    EXPECT_EQ(guessed.positive && guessed.converged, relative > 0) << relative;
   }
 }
 
@@ -94,10 +105,12 @@ TEST(Predictor, MeetsAQuinticFromThreePoints) {
   Predictor predictor;
   predictor.add(0, curve(0), slope(0));
   EXPECT_LT((predictor.guess(0.5) - (curve(0) + 0.5 * slope(0))).norm(), 1e-14) << "one point: its tangent";
+  EXPECT_LT((predictor.slopeGuess(0.5) - slope(0)).norm(), 1e-14);
   predictor.add(0.5, curve(0.5), slope(0.5));
   predictor.add(1, curve(1), slope(1));
   predictor.add(1.5, curve(1.5), slope(1.5));
   EXPECT_LT((predictor.guess(2) - curve(2)).norm(), 1e-12);
+  EXPECT_LT((predictor.slopeGuess(2) - slope(2)).norm(), 1e-11);
   // On the way back, the last points lie ahead: only the tangent is left.
   EXPECT_LT((predictor.guess(1.2) - (curve(1.5) - 0.3 * slope(1.5))).norm(), 1e-14);
 }
@@ -108,6 +121,7 @@ TEST(Predictor, MeetsTheNinthOrderFromFivePoints) {
   const auto rise = [](double p) { return Eigen::VectorXd::Constant(1, 9 * std::pow(p, 8) - 12 * std::pow(p, 3)); };
   for (const double p : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2}) predictor.add(p, at(p), rise(p));
   EXPECT_NEAR(predictor.guess(1.4)(0), at(1.4)(0), 1e-11);
+  EXPECT_NEAR(predictor.slopeGuess(1.4)(0), rise(1.4)(0), 1e-9);
 }
 
 TEST(Predictor, FallsBackToTheTangentAfterAKink) {
