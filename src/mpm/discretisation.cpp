@@ -1,13 +1,11 @@
 #include "snapwing/mpm/discretisation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "centre_gradients.h"
 #include "snapwing/common/error.h"
 #include "snapwing/common/plain_text.h"
-#include "snapwing/mpm/strain.h"
 
 namespace snapwing::mpm {
 
@@ -245,17 +243,6 @@ elasticity::Matrix<D> Discretisation<D>::deformationGradient(int cell, const Eig
   Eigen::Matrix<double, D, Eigen::Dynamic> slope;
   grids_[cell_body_[cell]].weights(Vector<D>::Constant(0.5), value, slope);
   return gradientBy<D>(*this, slope, cell, u);
-}
-
-template <int D>
-double Discretisation<D>::largestStrain(const Eigen::VectorXd& u) const {
-  double largest = 0;
-  eachCentreGradient(*this, u, [&](int cell, const elasticity::Matrix<D>& f) {
-    Eigen::SelfAdjointEigenSolver<elasticity::Matrix<D>> squares;
-    squares.computeDirect(f.transpose() * f, Eigen::EigenvaluesOnly);
-    largest = std::max(largest, weightedStrain(cells_[cell].density, std::sqrt(squares.eigenvalues()(D - 1))));
-  });
-  return largest;
 }
 
 template class Discretisation<2>;

@@ -103,8 +103,6 @@ class Discretisation {
   /// Rotation of the solid at each node: orthogonal part of the mean deformation gradient of its cells, weighed by
   /// their densities; I where that gradient has no positive determinant. @param u  [m], (dofCount x 1)
   std::vector<elasticity::Matrix<D>> nodeRotations(const Eigen::VectorXd& u) const;
-  /// Largest weightedStrain (strain.h) over the cells [1], with the largest principal stretch at each cell's centre.
-  double largestStrain(const Eigen::VectorXd& u) const;
 
  private:
   struct Scratch;

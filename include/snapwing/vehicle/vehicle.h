@@ -59,8 +59,8 @@ struct Material {
   common::Quantity poisson_ratio;   ///< [1]
   common::Quantity mass_density;    ///< [kg/m3]
   Relaxation relaxation;
-  /// [1] largest principal strain (stretch - 1) that a part withstands once; unset: unknown. A validation compares the
-  /// strain of a switch with it. It says nothing about fatigue.
+  /// [1] largest principal strain (stretch - 1) that a part withstands once, as a mean over 1 mm; unset: unknown. A
+  /// validation compares the mean strain of a switch with it (mpm/cell_values.h). It says nothing about fatigue.
   std::optional<common::Quantity> strain_limit;
 };
 
