@@ -81,3 +81,13 @@ class Asked:
                 pass  # it is not there yet
             time.sleep(0.2)
         self.client = self.connected()
+        # The client may take the dead node's connections for the new one's, which has the same name, and miss what comes first.
+        while not self.hears_all():
+            assert time.monotonic() < end, "the node that came back is not heard"
+            time.sleep(0.05)
+
+    def hears_all(self):
+        """The node, asked, knows this process as a subscriber of all that it tells."""
+        connections = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(NODE)).getBusInfo("/test")[2]
+        heard = {c[4] for c in connections if c[1] == rospy.get_name() and c[2] == "o"}
+        return {rospy.resolve_name(f"{self.name}/{topic}") for topic in ("feedback", "result", "status")} <= heard
