@@ -9,6 +9,7 @@ namespace snapwing::validation {
 namespace {
 
 constexpr double WIDTH = 620, HEIGHT = 340, LEFT = 62, RIGHT = 16, TOP = 30, BOTTOM = 46;
+constexpr double LEGEND_ROW = 16;
 
 struct Span {
   double low = INFINITY, high = -INFINITY;
@@ -78,15 +79,25 @@ class Canvas {
   Span x_, y_;
 };
 
+/// One line of each name.
+std::vector<PlotLine> named(const std::vector<PlotLine>& lines) {
+  std::vector<PlotLine> found;
+  for (const PlotLine& line : lines) {
+    const auto same = [&](const PlotLine& other) { return other.name == line.name; };
+    if (std::none_of(found.begin(), found.end(), same)) found.push_back(line);
+  }
+  return found;
+}
+
+/// Below the axes, in two columns: within them it would cover lines.
 std::string legend(const std::vector<PlotLine>& lines) {
   std::string svg;
-  double y = TOP + 14;
-  for (const PlotLine& line : lines) {
-    const double x = WIDTH - RIGHT - 190;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const PlotLine& line = lines[k];
+    const double x = k % 2 == 0 ? LEFT : 0.5 * (LEFT + WIDTH - RIGHT), y = HEIGHT + 8 + LEGEND_ROW * (k / 2);
     svg += "<line x1='" + number(x) + "' x2='" + number(x + 24) + "' y1='" + number(y) + "' y2='" + number(y) +
            "' stroke-width='2' stroke='" + line.colour + "'" + (line.dashed ? " stroke-dasharray='6 4'" : "") +
            "/><text x='" + number(x + 30) + "' y='" + number(y + 4) + "'>" + escaped(line.name) + "</text>\n";
-    y += 16;
   }
   return svg;
 }
@@ -117,11 +128,13 @@ std::string linePlot(const std::string& title, const std::string& x_label, const
   for (const PlotLine& line : lines) x.take(line.x), y.take(line.y);
   x.widen(), y.widen();
   const Canvas canvas(x, y);
-  std::string svg = "<svg viewBox='0 0 " + number(WIDTH, "%g") + " " + number(HEIGHT, "%g") +
+  const std::vector<PlotLine> keys = named(lines);
+  const double height = HEIGHT + LEGEND_ROW * std::ceil(0.5 * keys.size());
+  std::string svg = "<svg viewBox='0 0 " + number(WIDTH, "%g") + " " + number(height, "%g") +
                     "' role='img' aria-label='" + escaped(title) + "'>\n<text class='title' x='" + number(LEFT) +
                     "' y='18'>" + escaped(title) + "</text>\n" + canvas.grid();
   for (const PlotLine& line : lines) svg += canvas.line(line);
-  svg += legend(lines);
+  svg += legend(keys);
   svg += "<text x='" + number(0.5 * (LEFT + WIDTH - RIGHT)) + "' y='" + number(HEIGHT - 8) + "' text-anchor='middle'>" +
          escaped(x_label) + "</text>\n<text transform='rotate(-90)' x='" + number(-0.5 * (TOP + HEIGHT - BOTTOM)) +
          "' y='14' text-anchor='middle'>" + escaped(y_label) + "</text>\n</svg>\n";

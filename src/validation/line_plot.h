@@ -13,7 +13,7 @@ struct PlotLine {
   bool dashed = false;
 };
 
-/// Axes with round ticks, a legend, a grid. Points that are not finite are left out.
+/// Axes with round ticks, a grid, and a legend with each name once. Points that are not finite are left out.
 std::string linePlot(const std::string& title, const std::string& x_label, const std::string& y_label,
                      const std::vector<PlotLine>& lines);
 

@@ -97,18 +97,22 @@ std::string labelOf(const RungTrial& trial) {
          " mm";
 }
 
+const char* colourOf(const ValidationTrial& t) {
+  if (t.trial.rung == TrialRung::LUMPED) return "#888";
+  if (t.trial.rung == TrialRung::PLANAR) return t.finer ? "#0a3069" : "#0969da";
+  return t.trial.kernel == scene::SceneKernel::LINEAR_REDUCED ? "#8250df" : "#bf3989";
+}
+
 std::string plots(const Validation& found, int plan) {
   std::vector<PlotLine> nominal, others;
   for (const ValidationTrial& t : found.trials) {
-    if (t.plan != plan || t.finer || t.trial.on_curve || t.outcome.time.empty()) continue;
+    if (t.plan != plan || t.trial.on_curve || t.outcome.time.empty()) continue;
     const TrialRung rung = t.trial.rung;
-    if (t.role == TrialRole::NOMINAL) {
-      const char* colour = rung == TrialRung::LUMPED ? "#888" : rung == TrialRung::PLANAR ? "#0969da" : "#bf3989";
-      nominal.push_back(travelOf(t, labelOf(t.trial), colour, rung == TrialRung::LUMPED));
+    const bool lumped = rung == TrialRung::LUMPED;
+    if (t.role == TrialRole::NOMINAL && !t.finer) {
+      nominal.push_back(travelOf(t, labelOf(t.trial), colourOf(t), lumped));
     } else if (t.role == TrialRole::WEAKEST) {
-      const bool lumped = rung == TrialRung::LUMPED;
-      others.push_back(travelOf(t, t.name.substr(t.name.find("weakest")) + (lumped ? ", lumped" : ", planar"),
-                                lumped ? "#888" : "#0969da", lumped));
+      others.push_back(travelOf(t, labelOf(t.trial), colourOf(t), lumped));
     }
   }
   const std::string name = found.plans[static_cast<std::size_t>(plan)].name();
