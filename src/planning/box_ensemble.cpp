@@ -68,7 +68,7 @@ double BoxEnsembleOutcome::reached(double share) const {
 
 BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
                                          double give_up, int threads) const {
-  constexpr int LANES = 16;  // side by side in the ensemble
+  constexpr int LANES = rom::Ensemble::SIDE_BY_SIDE;
   BoxEnsembleOutcome outcome;
   outcome.worst = INFINITY;
   std::vector<double> durations(size());

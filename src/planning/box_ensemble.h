@@ -47,7 +47,7 @@ class BoxEnsemble {
   /// Margin that counts: the model's, or less if the travel leaves what is known. [1], [m]
   double margin(double energy_margin, double peak_travel) const;
 
-  /// Tries a pulse on all vehicles, in order; if all must switch, gives up after sixteen, side by side, whose worst is
+  /// Tries a pulse on all vehicles, in order; if all must switch, gives up after a block, side by side, whose worst is
   /// below `give_up`.
   BoxEnsembleOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
                               double give_up, int threads) const;

@@ -14,6 +14,7 @@ namespace snapwing::rom {
 namespace {
 
 const common::Require require("ensemble");
+static_assert(Ensemble::SIDE_BY_SIDE == LANES, "the header says how many go together");
 
 }  // namespace
 

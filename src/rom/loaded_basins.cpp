@@ -1,7 +1,9 @@
 #include "snapwing/rom/loaded_basins.h"
 
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstdint>
 
 #include "snapwing/common/error.h"
 
@@ -79,27 +81,15 @@ double LoadedBasins::extremum(const std::vector<Point>& points, double specific_
   return levelForce(specific_force, points[best - 1].travel, points[best + 1].travel, vertex);
 }
 
-// A parabola through points of the scan is off by a tenth of a millimetre, which is up to .006 of a margin. Secants of
-// the stiffness kept inside the bracket [Illinois].
+// A parabola through points of the scan is off by a tenth of a millimetre, which is up to .006 of a margin.
 double LoadedBasins::levelForce(double specific_force, double low, double high, double guess) const {
   const auto stiffness = [&](double u) { return sample(u, specific_force).stiffness; };
-  double at_low = stiffness(low), at_high = stiffness(high);
+  const double at_low = stiffness(low), at_high = stiffness(high);
   if ((at_low < 0) == (at_high < 0)) return guess;
-  double u = guess > low && guess < high ? guess : 0.5 * (low + high);
-  int kept = 0;  // the end that the step before kept: -1 low, 1 high
-  for (int i = 0; i < 60; ++i) {
-    const double here = stiffness(u);
-    const bool replaces_low = (here < 0) == (at_low < 0);
-    (replaces_low ? low : high) = u;
-    (replaces_low ? at_low : at_high) = here;
-    const int keeps = replaces_low ? 1 : -1;
-    if (keeps == kept) (replaces_low ? at_high : at_low) *= 0.5;
-    kept = keeps;
-    const double next = high - at_high * (high - low) / (at_high - at_low);
-    if (std::abs(next - u) < EXTREMUM_TO) return next;
-    u = next;
-  }
-  return u;
+  std::uintmax_t calls = 60;
+  const auto narrow = [](double l, double h) { return h - l < EXTREMUM_TO; };
+  const auto bracket = boost::math::tools::toms748_solve(stiffness, low, high, at_low, at_high, narrow, calls);
+  return 0.5 * (bracket.first + bracket.second);
 }
 
 LoadedBasins::Branch LoadedBasins::branch(double specific_force) const {

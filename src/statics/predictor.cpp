@@ -15,7 +15,7 @@ void Predictor::add(double p, const Eigen::VectorXd& z, const Eigen::VectorXd& s
   if (!points_.empty()) {
     double least = std::numeric_limits<double>::infinity();
     for (int n = 1; n <= usable(p); ++n) {
-      const double error = (extrapolate(n, p) - z).norm();
+      const double error = (extrapolate(n, p, false) - z).norm();
       if (error < least) {
         least = error;
         best_ = n;
@@ -41,44 +41,33 @@ int Predictor::usable(double p) const {
 
 /// Hermite's polynomial in Lagrange's form: with L_i(p) = prod (p - p_j) / (p_i - p_j) it is the sum over the points of
 /// L_i^2 ((1 - 2 L_i'(p_i) (p - p_i)) z_i + (p - p_i) dz_i/dp).
-Eigen::VectorXd Predictor::extrapolate(int points, double p) const {
+/// @param derivative  its derivative instead; p is none of the points then
+Eigen::VectorXd Predictor::extrapolate(int points, double p, bool derivative) const {
   const std::size_t first = points_.size() - points;
   Eigen::VectorXd value = Eigen::VectorXd::Zero(points_.back().z.size());
   for (std::size_t i = first; i < points_.size(); ++i) {
-    double basis = 1, basis_slope = 0;
+    double basis = 1, basis_slope = 0, growth = 0;  // L_i(p), L_i'(p_i), L_i'(p) / L_i(p)
     for (std::size_t j = first; j < points_.size(); ++j) {
       if (j == i) continue;
       const double spacing = points_[i].p - points_[j].p;
       basis *= (p - points_[j].p) / spacing;
       basis_slope += 1 / spacing;
+      growth += 1 / (p - points_[j].p);
     }
-    const double ahead = p - points_[i].p, square = basis * basis;
-    value += square * (1 - 2 * basis_slope * ahead) * points_[i].z + square * ahead * points_[i].slope;
+    const double ahead = p - points_[i].p, square = basis * basis, of_z = 1 - 2 * basis_slope * ahead;
+    if (derivative) {
+      const double square_slope = 2 * square * growth;
+      value += (square_slope * of_z - 2 * square * basis_slope) * points_[i].z +
+               (square_slope * ahead + square) * points_[i].slope;
+    } else {
+      value += square * of_z * points_[i].z + square * ahead * points_[i].slope;
+    }
   }
   return value;
 }
 
-/// The derivative of extrapolate(). p is none of the points.
-Eigen::VectorXd Predictor::slopeGuess(double p) const {
-  const int points = std::min(best_, usable(p));
-  const std::size_t first = points_.size() - points;
-  Eigen::VectorXd value = Eigen::VectorXd::Zero(points_.back().z.size());
-  for (std::size_t i = first; i < points_.size(); ++i) {
-    double basis = 1, basis_slope = 0, rate = 0;
-    for (std::size_t j = first; j < points_.size(); ++j) {
-      if (j == i) continue;
-      const double spacing = points_[i].p - points_[j].p;
-      basis *= (p - points_[j].p) / spacing;
-      basis_slope += 1 / spacing;
-      rate += 1 / (p - points_[j].p);
-    }
-    const double ahead = p - points_[i].p, square = basis * basis, square_rate = 2 * square * rate;
-    value += (square_rate * (1 - 2 * basis_slope * ahead) - 2 * square * basis_slope) * points_[i].z +
-             (square_rate * ahead + square) * points_[i].slope;
-  }
-  return value;
-}
+Eigen::VectorXd Predictor::guess(double p) const { return extrapolate(std::min(best_, usable(p)), p, false); }
 
-Eigen::VectorXd Predictor::guess(double p) const { return extrapolate(std::min(best_, usable(p)), p); }
+Eigen::VectorXd Predictor::slopeGuess(double p) const { return extrapolate(std::min(best_, usable(p)), p, true); }
 
 }  // namespace snapwing::statics

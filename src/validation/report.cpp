@@ -85,12 +85,6 @@ std::string curvePlot(const Validation& found, const vehicle::ForceTable& table)
   return linePlot("Force of all arms", "travel [mm]", "force [N]", lines);
 }
 
-PlotLine travelOf(const ValidationTrial& t, const std::string& name, const std::string& colour, bool dashed) {
-  PlotLine line{name, t.outcome.time, t.outcome.travel, colour, dashed};
-  for (double& u : line.y) u *= 1e3;
-  return line;
-}
-
 std::string labelOf(const RungTrial& trial) {
   if (trial.rung == TrialRung::LUMPED) return motion::rungName(trial.rung);
   return motion::rungName(trial.rung) + ", " + scene::kernelName(trial.kernel) + ", " + number(1e3 * trial.cell_size) +
@@ -103,17 +97,18 @@ const char* colourOf(const ValidationTrial& t) {
   return t.trial.kernel == scene::SceneKernel::LINEAR_REDUCED ? "#8250df" : "#bf3989";
 }
 
+PlotLine travelOf(const ValidationTrial& t) {
+  PlotLine line{labelOf(t.trial), t.outcome.time, t.outcome.travel, colourOf(t), t.trial.rung == TrialRung::LUMPED};
+  for (double& u : line.y) u *= 1e3;
+  return line;
+}
+
 std::string plots(const Validation& found, int plan) {
   std::vector<PlotLine> nominal, others;
   for (const ValidationTrial& t : found.trials) {
     if (t.plan != plan || t.trial.on_curve || t.outcome.time.empty()) continue;
-    const TrialRung rung = t.trial.rung;
-    const bool lumped = rung == TrialRung::LUMPED;
-    if (t.role == TrialRole::NOMINAL && !t.finer) {
-      nominal.push_back(travelOf(t, labelOf(t.trial), colourOf(t), lumped));
-    } else if (t.role == TrialRole::WEAKEST) {
-      others.push_back(travelOf(t, labelOf(t.trial), colourOf(t), lumped));
-    }
+    if (t.role == TrialRole::NOMINAL && !t.finer) nominal.push_back(travelOf(t));
+    if (t.role == TrialRole::WEAKEST) others.push_back(travelOf(t));
   }
   const std::string name = found.plans[static_cast<std::size_t>(plan)].name();
   std::string html;

@@ -2,9 +2,9 @@
 /// The lumped model for many vehicles side by side: what a pulse does to each vehicle of the uncertainty box, for the
 /// search of a plan and for certificates. Same equations as LumpedModel, which stays the truth: classical Runge-Kutta
 /// of fourth order in (travel, root of the relative motion's kinetic energy, common momentum), the thrust's lag in
-/// closed form, curves on a uniform grid, margins watched in masks. Sixteen vehicles go side by side; each has its own
-/// time and chooses its own steps by an estimate of their error. A vehicle whose numbers become non-finite is evaluated
-/// by LumpedModel. Same bits on every processor, for any number of threads and in any company.
+/// closed form, curves on a uniform grid, margins watched in masks. Vehicles go side by side (SIDE_BY_SIDE); each has
+/// its own time and chooses its own steps by an estimate of their error. A vehicle whose numbers become non-finite is
+/// evaluated by LumpedModel. Same bits on every processor, for any number of threads and in any company.
 
 #include <memory>
 #include <vector>
@@ -34,6 +34,8 @@ struct EnsembleOutcome {
 
 class Ensemble {
  public:
+  static constexpr int SIDE_BY_SIDE = 16;  ///< vehicles that one call of predict() moves together
+
   /// @param curves  of the vehicle
   /// @param radio  gives the motors' idle thrust. @throws common::Error for a curve that is not bistable, or settings
   Ensemble(const VehicleCurves& curves, const vehicle::Radio& radio, const EnsembleSettings& settings = {});

@@ -66,7 +66,7 @@ class LoadedBasins {
   double solveForce(bool rising, const RelativeLoad& load, double low, double high, double guess) const;
   Branch branch(double specific_force) const;
   double extremum(const std::vector<Point>& points, double specific_force, bool largest) const;
-  /// Where the force neither rises nor falls between two travels.
+  /// Where the force neither rises nor falls between two travels; the guess where it rises or falls at both.
   double levelForce(double specific_force, double low, double high, double guess) const;
 
   common::Loan<const Potential> potential_;

@@ -27,7 +27,7 @@ class Predictor {
     double p;
     Eigen::VectorXd z, slope;
   };
-  Eigen::VectorXd extrapolate(int points, double p) const;
+  Eigen::VectorXd extrapolate(int points, double p, bool derivative) const;
   int usable(double p) const;
 
   std::vector<Point> points_;  ///< newest last
