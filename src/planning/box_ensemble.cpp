@@ -77,10 +77,12 @@ BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pul
   std::vector<rom::EnsembleOutcome> found(block);
   for (int first = 0; first < size(); first += block) {
     const int count = std::min(block, size() - first);
-    common::parallelFor((count + LANES - 1) / LANES, threads, [&](int part) {
-      const int begin = part * LANES;
+    // Whole lanes of vehicles for each thread, and not less at once: the ensemble chooses who goes beside whom.
+    const int per_thread = (count + LANES * threads - 1) / (LANES * threads) * LANES;
+    common::parallelFor((count + per_thread - 1) / per_thread, threads, [&](int part) {
+      const int begin = part * per_thread;
       const auto some =
-          ensemble_.predict(start, pulse, durations, trial, first + begin, std::min(LANES, count - begin));
+          ensemble_.predict(start, pulse, durations, trial, first + begin, std::min(per_thread, count - begin));
       std::copy(some.begin(), some.end(), found.begin() + begin);
     });
     for (int i = 0; i < count; ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <string>
 
 #include "ensemble_run.h"
@@ -30,6 +31,7 @@ struct Ensemble::Data {
 
   Data(const VehicleCurves& of, const vehicle::Radio& with, const EnsembleSettings& s);
   const BranchTable& branchesOf(bool wings) const;
+  std::vector<int> byDamping(int first, int count) const;
   EnsembleOutcome askAgain(int vehicle, vehicle::Mode start, vehicle::Pulse pulse, const std::vector<double>& durations,
                            const vehicle::Trial& trial) const;
   EnsembleScene sceneOf(vehicle::Mode start, const vehicle::Trial& trial) const;
@@ -134,6 +136,14 @@ EnsembleScene Ensemble::Data::sceneOf(vehicle::Mode start, const vehicle::Trial&
   return scene;
 }
 
+/// Those that go side by side wait for the last of them, and who is damped least rings longest.
+std::vector<int> Ensemble::Data::byDamping(int first, int count) const {
+  std::vector<int> order(count);
+  std::iota(order.begin(), order.end(), first);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return vehicles[a].damping < vehicles[b].damping; });
+  return order;
+}
+
 EnsembleOutcome Ensemble::Data::askAgain(int vehicle, vehicle::Mode start, vehicle::Pulse pulse,
                                          const std::vector<double>& durations, const vehicle::Trial& trial) const {
   LumpedSettings s = settings.model;
@@ -157,20 +167,22 @@ std::vector<EnsembleOutcome> Ensemble::predict(vehicle::Mode start, const vehicl
   const EnsembleScene scene = d.sceneOf(start, trial);
   std::vector<EnsembleOutcome> outcomes(count);
   const RunBlock run = d.settings.vectors == Vectors::PLAIN ? runBlockPlain : widestRunBlock();
+  const std::vector<int> order = d.byDamping(first, count);
   for (int begin = 0; begin < count; begin += LANES) {
     EnsembleBlock block;
     for (int l = 0; l < LANES; ++l) {
-      const int i = first + std::min(begin + l, count - 1);
+      const int i = order[std::min(begin + l, count - 1)];
       setLane(d.vehicles[i], d.radio, trial, pulse, durations[i], l, &block);
     }
     EnsembleResult results[LANES];
     run(scene, block, results);
     for (int l = 0; l < LANES && begin + l < count; ++l) {
-      EnsembleOutcome& out = outcomes[begin + l];
+      const int i = order[begin + l];
+      EnsembleOutcome& out = outcomes[i - first];
       out = {results[l].margin, results[l].peak_travel, results[l].snapped};
       // No number: too violent for explicit steps. The implicit integrator is asked.
       const bool lost = !std::isfinite(out.energy_margin) || !std::isfinite(out.peak_travel);
-      if (lost) out = d.askAgain(first + begin + l, start, pulse, durations, trial);
+      if (lost) out = d.askAgain(i, start, pulse, durations, trial);
     }
   }
   return outcomes;

@@ -48,6 +48,7 @@ class Clock {
     if (any(ended)) enter(a, ended, now);
   }
 
+  Real left() const { return left_; }  ///< [s] of this part
   Mask inLastPart() const { return part_ == LAST; }
   Mask over() const { return (part_ == LAST) & (left_ <= 0.0); }
 

@@ -83,7 +83,7 @@ __attribute__((noinline)) void runLanes(const EnsembleScene& s, const EnsembleBl
     const Mask taken = clock.judge(moved.error, watch.vague(step, seen)) & ~watch.done;
     watch.add(step, seen, taken);
     const Mask looks = clock.inLastPart() & taken;
-    if (any(looks)) watch.look(step, looks);
+    if (any(looks)) watch.look(step, looks, clock.left() - dt);
     keep(taken, moved.end, &now);
     keep(taken, then, &barrier);
     clock.advance(a, taken, &now);

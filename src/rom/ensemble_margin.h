@@ -2,13 +2,12 @@
 /// The energy margin in lanes: what MarginWatch does, vehicles side by side, on steps that are forty times longer.
 /// What happens within a step is placed on cubics through values and rates of both ends. Private to the layer.
 
-#include "ensemble_basins.h"
+#include "ensemble_outlook.h"
 
 namespace snapwing::rom::SNAPWING_WIDTH {
 
 constexpr double LARGEST_MARGIN = 10.0;
 constexpr double CLOSE = 3e-3;  // [m] from the barrier
-constexpr double CALM = 1e-3;   // of the full thrust, beside the last demand
 
 /// Cubic through value and rate at both ends of a step; s in [0, 1].
 struct StepCubic {
@@ -74,6 +73,7 @@ struct Watch {
   const EnsembleScene& s;
   const Vehicles& a;
   const Basins<ARMS, WINGS>& basins;
+  const Outlook<ARMS, WINGS> outlook;
   Mask side, done, snapped;  ///< side: Q
   Mask nearing;              ///< the barrier, at the end of the last step
   Real entry, hold, peak, margin;
@@ -84,7 +84,7 @@ struct Watch {
   }
 
   Watch(const Basins<ARMS, WINGS>& of, const Real& u, const Barrier& barrier)
-      : s(of.s), a(of.a), basins(of), entry(FAR), hold(FAR), peak(u), margin(-1.0), rest(FAR) {
+      : s(of.s), a(of.a), basins(of), outlook(of), entry(FAR), hold(FAR), peak(u), margin(-1.0), rest(FAR) {
     done = snapped = none();
     nearing = ~none();
     side = sideOf(barrier, u);
@@ -169,10 +169,18 @@ struct Watch {
     done = done | lost;
   }
 
-  /// Lanes that have become calm in a basin that holds, now and at the terminal speed, get their margin and are done.
-  void look(const Step& x, Mask taken) {
+  /// Lanes whose margin nothing can change any more, or that have become calm in a basin that holds, now and at the
+  /// terminal speed, get it and are done. @param left  time until the horizon
+  void look(const Step& x, Mask taken, const Real& left) {
     const Real end = a.after * a.max_thrust, moving = 0.5 * x.to.at.v * x.to.at.v;
     const Real small = s.settled_share * least(basins.barrierOf(none()), basins.barrierOf(~none()));
+    const Real so_far = least(entry, hold);
+    const Mask open = taken & (so_far < LARGEST_MARGIN);
+    if (any(open)) {
+      const Real wanted = so_far * basins.barrierOf(side);
+      finish(outlook.keeps(open, side, x.to, x.barrier_to, wanted, peak, small, left), so_far);
+      taken = taken & ~done;
+    }
     // A spring that pulls so hard has the energy pull^2 / (2 stiffness). Who has more than twice the limit is not
     // asked.
     const Mask near = 0.25 * x.to.pull * x.to.pull <= (small - moving) * x.to.stiffness;
@@ -191,9 +199,12 @@ struct Watch {
     const Mask found = calm & held & (excess <= limit) & holdsAtTheEnd(end_thrust, x.to.ring, x.to.w);
     if (!any(found)) return;
     const Real at = least(excess + lostSinceCalm(x, end_thrust), limit);
-    const Real distance =
-        clamp(least(least(entry, hold), (clear - at) / basins.barrierOf(side)), Real(0.0), Real(LARGEST_MARGIN));
+    finish(found, least(least(entry, hold), (clear - at) / basins.barrierOf(side)));
+  }
+
+  void finish(Mask found, const Real& margin_of_side) {
     const Mask over = s.start == vehicle::Mode::FIXED_WING ? side : ~side;
+    const Real distance = clamp(margin_of_side, Real(0.0), Real(LARGEST_MARGIN));
     margin = select(found, select(over, distance, -distance), margin);
     snapped = snapped | (over & found);
     done = done | found;

@@ -164,6 +164,41 @@ TEST(Ensemble, DoesNotCareWhoIsBesideIt) {
   }
 }
 
+TEST(Ensemble, KnowsWhoIsNotCalmWithinTheHorizon) {
+  // A margin that is decided early must not hide that the vehicle still rings when the time is over.
+  Shipped s(12);
+  for (std::size_t i = 0; i < s.drawn.size(); ++i) s.drawn[i].damping *= i % 3 == 0 ? 1.0 : i % 3 == 1 ? 0.4 : 0.0;
+  const rom::Ensemble ensemble = s.ensemble();
+  const auto trial_of = [](double horizon) {
+    vehicle::Trial trial;
+    trial.wings = false;
+    trial.horizon = horizon;
+    return trial;
+  };
+  int calm = 0, ringing = 0;
+  for (const auto start : {F, Q}) {
+    const vehicle::Pulse pulse = start == F ? vehicle::Pulse{0.61, 0.20} : vehicle::Pulse{1.0, 0.60};
+    const std::vector<double> durations(s.drawn.size(), pulse.duration);
+    for (const double horizon : {0.2, 0.4, 0.6, 0.8, 1.2, 2.0, 4.0}) {
+      const auto told = ensemble.predict(start, pulse, durations, trial_of(horizon), 0, ensemble.size());
+      for (int i = 0; i < ensemble.size(); ++i) {
+        const rom::LumpedModel model = s.curves.model(s.vehicle.radio, s.drawn[i]);
+        const auto margin_by = [&](double time) {
+          return model.predict(start, pulse, s.vehicle.radio, trial_of(time)).energy_margin;
+        };
+        const bool is_calm = margin_by(horizon) != -1.0;
+        // Who becomes calm just then may be judged either way.
+        if ((margin_by(horizon - 0.03) != -1.0) != is_calm || (margin_by(horizon + 0.03) != -1.0) != is_calm) continue;
+        EXPECT_EQ(told[i].energy_margin != -1.0, is_calm)
+            << vehicle::modeName(start) << ", horizon " << horizon << ", vehicle " << i;
+        ++(is_calm ? calm : ringing);
+      }
+    }
+  }
+  EXPECT_GT(calm, 30);
+  EXPECT_GT(ringing, 30);
+}
+
 TEST(Ensemble, FollowsTheForceBeyondTheLowEndOfTheTable) {
   // A light vehicle with strong motors swings far below the table after the pulse.
   Shipped s(0);

@@ -2,9 +2,10 @@
 /// The lumped model for many vehicles side by side: what a pulse does to each vehicle of the uncertainty box, for the
 /// search of a plan and for certificates. Same equations as LumpedModel, which stays the truth: classical Runge-Kutta
 /// of fourth order in (travel, root of the relative motion's kinetic energy, common momentum), the thrust's lag in
-/// closed form, curves on a uniform grid, margins watched in masks. Vehicles go side by side (SIDE_BY_SIDE); each has
-/// its own time and chooses its own steps by an estimate of their error. A vehicle whose numbers become non-finite is
-/// evaluated by LumpedModel. Same bits on every processor, for any number of threads and in any company.
+/// closed form, curves on a uniform grid, margins watched in masks. Vehicles go side by side (SIDE_BY_SIDE), those that
+/// ring equally long; each has its own time, chooses its own steps by an estimate of their error and is done when
+/// nothing can change its margin any more. A vehicle whose numbers become non-finite is evaluated by LumpedModel. Same
+/// bits on every processor, for any number of threads and in any company.
 
 #include <memory>
 #include <vector>
