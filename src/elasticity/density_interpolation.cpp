@@ -21,8 +21,10 @@ DensityInterpolation::Value DensityInterpolation::at(double density) const {
   const double low = common::tanh(sharpness * threshold);
   const double span = low + common::tanh(sharpness * (1 - threshold));
   const double th = common::tanh(sharpness * (raised - threshold));
-  return {void_stiffness + (1 - void_stiffness) * raised, (1 - void_stiffness) * power_slope, (low + th) / span,
-          sharpness * (1 - th * th) / span * power_slope};
+  Value value = {void_stiffness + (1 - void_stiffness) * raised, (1 - void_stiffness) * power_slope, (low + th) / span,
+                 sharpness * (1 - th * th) / span * power_slope};
+  if (value.mix < LINEAR_MIX) value.mix = value.mix_slope = 0;
+  return value;
 }
 
 void DensityInterpolation::validate() const {

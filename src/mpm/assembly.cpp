@@ -152,6 +152,11 @@ void Discretisation<D>::assembleCells(const Eigen::VectorXd& u, Order order, int
 #pragma omp for schedule(static)
       for (int n = 0; n < count; ++n) {
         const Batch& batch = colour[n];
+        if (batch.linear) {
+          evaluateLinear<S>(batch, u, lanes, results.data());
+          if (order != Order::ENERGY) scatterBatch<S>(batch, Order::STRESS, lanes, results.data(), out);
+          continue;
+        }
         if (inLanes(cells_[batch.cells[0]].kind, order)) {
           evaluateBatch<S>(batch, u, order, lanes, results.data());
           if (order != Order::ENERGY) scatterBatch<S>(batch, order, lanes, results.data(), out);
@@ -179,6 +184,19 @@ void Discretisation<D>::assembleCells(const Eigen::VectorXd& u, Order order, int
   out.force_scale = std::sqrt(force_squared);
 }
 
+/// With the Hessian of the linear cells, which is the same at every order.
+template <int D>
+void Discretisation<D>::startBlocks(Assembly& out) const {
+  const std::size_t size = static_cast<std::size_t>(pattern_.blocks()) * D * D;
+  if (out.add_blocks) {
+    for (std::size_t k = 0; k < linear_blocks_.size(); ++k) out.blocks[k] += linear_blocks_[k];
+  } else if (linear_blocks_.empty()) {
+    out.blocks.assign(size, 0.0);
+  } else {
+    out.blocks.assign(linear_blocks_.begin(), linear_blocks_.end());
+  }
+}
+
 template <int D>
 void Discretisation<D>::assemble(const Eigen::VectorXd& u, Order order, int threads, Assembly& out) const {
   out.energy = 0;
@@ -186,9 +204,7 @@ void Discretisation<D>::assemble(const Eigen::VectorXd& u, Order order, int thre
   out.min_det_f = std::numeric_limits<double>::infinity();
   out.min_det_f_cell = -1;
   if (order != Order::ENERGY) out.gradient.setZero(dofCount());
-  if (elasticity::withTangent(order) && !out.add_blocks) {
-    out.blocks.assign(static_cast<std::size_t>(pattern_.blocks()) * D * D, 0.0);
-  }
+  if (elasticity::withTangent(order)) startBlocks(out);
   if (stencil_ == LINEAR_STENCIL<D>) {
     assembleCells<LINEAR_STENCIL<D>>(u, order, threads, out);
   } else {

@@ -90,6 +90,8 @@ void Discretisation<D>::prepareCells() {
       buildTable(terms[t].rule, outer);
     }
   }
+  prepareLinearCells();
+  dealCells();
 }
 
 template <int D>
@@ -147,28 +149,41 @@ void Discretisation<D>::colourCells() {
   const int period = nodesPerAxis(grids_[0].kernel);
   int count = 1;
   for (int a = 0; a < D; ++a) count *= period;
-  std::vector<std::vector<int>> colours(count);
+  colours_.assign(count, {});
   for (int c = 0; c < cellCount(); ++c) {
     int colour = 0;
     for (int a = D - 1; a >= 0; --a) colour = colour * period + cell_at_[c][a] % period;
-    colours[colour].push_back(c);
+    colours_[colour].push_back(c);
   }
-  for (std::vector<int>& cells : colours) dealCells(cells);
+  for (std::vector<int>& cells : colours_) {
+    std::stable_sort(cells.begin(), cells.end(), [&](int a, int b) { return cells_[a].kind < cells_[b].kind; });
+  }
+}
+
+template <int D>
+void Discretisation<D>::dealCells() {
+  batches_.clear();
+  for (const std::vector<int>& cells : colours_) batches_.push_back(dealColour(cells));
 }
 
 /// A cell's own numbers do not depend on the others of its batch.
 template <int D>
-void Discretisation<D>::dealCells(std::vector<int>& cells) {
-  batches_.emplace_back();
-  std::vector<Batch>& batches = batches_.back();
-  std::stable_sort(cells.begin(), cells.end(), [&](int a, int b) { return cells_[a].kind < cells_[b].kind; });
+std::vector<typename Discretisation<D>::Batch> Discretisation<D>::dealColour(const std::vector<int>& cells) const {
+  std::vector<Batch> batches;
+  int open[2] = {-1, -1};  // batch that is not full, of linear cells and of others
   for (const int c : cells) {
-    const bool fits = !batches.empty() && batches.back().count < elasticity::LANES &&
-                      cells_[batches.back().cells[0]].kind == cells_[c].kind;
-    if (!fits) batches.push_back({{}, 0});
-    Batch& batch = batches.back();
+    const bool linear = linearCell(c);
+    const int last = open[linear];
+    const bool fits =
+        last >= 0 && batches[last].count < elasticity::LANES && cells_[batches[last].cells[0]].kind == cells_[c].kind;
+    if (!fits) {
+      open[linear] = static_cast<int>(batches.size());
+      batches.push_back({{}, 0, linear});
+    }
+    Batch& batch = batches[open[linear]];
     std::fill(batch.cells + batch.count++, batch.cells + elasticity::LANES, c);
   }
+  return batches;
 }
 
 template <int D>

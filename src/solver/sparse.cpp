@@ -134,14 +134,29 @@ bool Cholesky::Impl::findOrder() {
   return last_own;
 }
 
+namespace {
+
+struct Entry {
+  int column, row, source;
+};
+
+/// In the order of a number below n; entries with the same one keep theirs.
+std::vector<Entry> sortedBy(int Entry::*number, int n, const std::vector<Entry>& list) {
+  std::vector<int> next(n + 1, 0);
+  for (const Entry& entry : list) ++next[entry.*number + 1];
+  for (int k = 0; k < n; ++k) next[k + 1] += next[k];
+  std::vector<Entry> sorted(list.size());
+  for (const Entry& entry : list) sorted[next[entry.*number]++] = entry;
+  return sorted;
+}
+
+}  // namespace
+
 /// Makes the fill-reducing order the matrix's own.
 void Cholesky::Impl::permute() {
   const int n = pattern.size;
   std::vector<int> rank(n);
   for (int k = 0; k < n; ++k) rank[order[k]] = k;
-  struct Entry {
-    int column, row, source;
-  };
   std::vector<Entry> list;
   list.reserve(pattern.row.size());
   for (int c = 0; c < n; ++c) {
@@ -150,8 +165,7 @@ void Cholesky::Impl::permute() {
       list.push_back({std::min(a, b), std::max(a, b), k});
     }
   }
-  std::sort(list.begin(), list.end(),
-            [](const Entry& a, const Entry& b) { return a.column != b.column ? a.column < b.column : a.row < b.row; });
+  list = sortedBy(&Entry::column, n, sortedBy(&Entry::row, n, list));
   std::fill(pattern.start.begin(), pattern.start.end(), 0);
   for (std::size_t k = 0; k < list.size(); ++k) {
     ++pattern.start[list[k].column + 1];

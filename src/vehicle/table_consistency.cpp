@@ -86,12 +86,24 @@ void checkRest(const ForceTable& t, const std::string& path) {
                                     share(REST_FORCE_ALLOWED) + " of the largest force, " + number(largest) + " N");
 }
 
+/// A mass in g passes the check against its bounds from below (ForceTable::validate).
+void checkInertia(const ForceTable& t, const std::string& path) {
+  if (t.kinetic_mass.empty()) return;
+  const auto most = std::max_element(t.kinetic_mass.begin(), t.kinetic_mass.end());
+  if (*most <= KINETIC_SHARE_ALLOWED * t.mass) return;
+  throw common::FileError(path, "'kinetic_mass' is " + number(*most) + " kg at " +
+                                    number(t.travel[static_cast<std::size_t>(most - t.kinetic_mass.begin())]) +
+                                    " m; allowed: up to " + number(KINETIC_SHARE_ALLOWED) + " times 'mass', " +
+                                    number(t.mass) + " kg; is it in g?");
+}
+
 }  // namespace
 
 void requireConsistent(const ForceTable& table, const std::string& path) {
   checkEnergy(table, path);
   checkStiffness(table, path);
   checkRest(table, path);
+  checkInertia(table, path);
 }
 
 void requireTravelOf(const ForceTable& table, const Vehicle& vehicle, const std::string& path) {
@@ -108,6 +120,16 @@ void requireTravelOf(const ForceTable& table, const Vehicle& vehicle, const std:
                                     ", " + number(vehicle.limits.travel_min) + " .. " +
                                     number(vehicle.limits.travel_max) + " m; `snapwing curve " + vehicle.file + " -o " +
                                     path + "` computes one");
+}
+
+void requireMassOf(const ForceTable& table, const Vehicle& vehicle, const std::string& path) {
+  const double arms = table.arm_count * table.mass,
+               ring_side = vehicle.masses.total.value - vehicle.masses.centre.value;
+  if (arms <= ring_side) return;
+  throw common::FileError(path, "'mass' is " + number(table.mass) + " kg for each of " +
+                                    std::to_string(table.arm_count) +
+                                    " arms; allowed: together up to masses.total - masses.centre of " + vehicle.file +
+                                    ", " + number(ring_side) + " kg; is it in g?");
 }
 
 }  // namespace snapwing::vehicle

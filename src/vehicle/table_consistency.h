@@ -15,12 +15,20 @@ constexpr double ENERGY_ERROR_ALLOWED = 0.02;     ///< sum |dE - integral of R d
 constexpr double STIFFNESS_ERROR_ALLOWED = 0.15;  ///< rms of dR/du - stiffness over rms of dR/du
 constexpr double REST_FORCE_ALLOWED = 0.02;       ///< |R(0)| over the largest |R|
 
-/// Requires that the force is the derivative of the energy, the stiffness that of the force, and u = 0 an equilibrium.
+/// K / m at most: parts of an arm may move farther than the housing, but not on the average of all of them (1.2 in the
+/// shipped table).
+constexpr double KINETIC_SHARE_ALLOWED = 10;
+
+/// Requires that the force is the derivative of the energy, the stiffness that of the force, u = 0 an equilibrium, and
+/// the kinetic mass one that the arm's mass can have.
 /// @throws FileError naming the columns, their difference, and where
 void requireConsistent(const ForceTable& table, const std::string& path);
 
 /// Requires that the table covers limits.travel_min .. travel_max, and no more than an arm of this size can reach.
 /// @throws FileError
 void requireTravelOf(const ForceTable& table, const Vehicle& vehicle, const std::string& path);
+
+/// Requires that the arms are no heavier than the ring side of the vehicle, which contains them. @throws FileError
+void requireMassOf(const ForceTable& table, const Vehicle& vehicle, const std::string& path);
 
 }  // namespace snapwing::vehicle

@@ -157,6 +157,7 @@ ForceTable checkedTable(const Vehicle& vehicle, const std::string& asked, ForceT
   requireOrigin(table, vehicle, path);
   requireConsistent(table, path);
   requireTravelOf(table, vehicle, path);
+  requireMassOf(table, vehicle, path);
   return table;
 }
 

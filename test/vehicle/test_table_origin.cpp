@@ -130,6 +130,7 @@ class Consistency : public testing::Test {
     return messageOf([this] {
       requireConsistent(table_, "t.h5");
       requireTravelOf(table_, vehicle_, "t.h5");
+      requireMassOf(table_, vehicle_, "t.h5");
     });
   }
   static void scale(std::vector<double>& column, double factor) {
@@ -172,6 +173,14 @@ TEST_F(Consistency, ForceAtRestIsRefused) {
     table_.energy[k] += more * table_.travel[k];
   }
   EXPECT_TRUE(holds(complaint(), {"'force' at u = 0"}));
+}
+
+TEST_F(Consistency, MassesInGramsAreRefused) {
+  ASSERT_GT(table_.mass, 0);
+  scale(table_.kinetic_mass, 1e3);
+  EXPECT_TRUE(holds(complaint(), {"'kinetic_mass'", "10 times 'mass'", "is it in g?"}));
+  table_.mass *= 1e3;
+  EXPECT_TRUE(holds(complaint(), {"'mass'", "4 arms", "masses.total - masses.centre", "is it in g?"}));
 }
 
 TEST_F(Consistency, TableShorterThanTheLimitsIsRefused) {

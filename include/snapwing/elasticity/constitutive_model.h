@@ -64,6 +64,8 @@ class ConstitutiveModel {
   virtual DensityInterpolation::Value prepare(double density) const = 0;
   /// What all deformations share of the tangent of an order; a response holds the rest.
   virtual SharedTangent shared(const DensityInterpolation::Value& /*cell*/, Order /*order*/) const { return {}; }
+  /// Whether shared() is the whole tangent of a cell, P = tangent : (F - I), at any order and deformation.
+  virtual bool linear(const DensityInterpolation::Value& /*cell*/) const { return false; }
   /// @param f     deformation gradient [1]
   /// @param cell  of prepare()
   /// @return false if the energy is infinite there (det F <= 0); `out` then holds only det_f

@@ -13,9 +13,13 @@ struct DensityInterpolation {
   double sharpness = 500;        ///< b > 0
   double threshold = 0.01;       ///< eta, in (0, 1): rho^p above it counts as solid
 
+  /// Below it the mix is taken as zero: what it changes in the tangent is in proportion to its cube, less than
+  /// rounding.
+  static constexpr double LINEAR_MIX = 1e-6;
+
   struct Value {
     double stiffness, stiffness_slope;  ///< s, ds/drho
-    double mix, mix_slope;              ///< gamma, dgamma/drho
+    double mix, mix_slope;              ///< gamma, dgamma/drho; both zero below LINEAR_MIX
   };
   /// @param density  rho in [0, 1]
   Value at(double density) const;

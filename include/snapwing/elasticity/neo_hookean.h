@@ -38,6 +38,7 @@ class NeoHookean : public ConstitutiveModel<D> {
 
   DensityInterpolation::Value prepare(double density) const override { return interpolation_.at(density); }
   SharedTangent shared(const DensityInterpolation::Value& cell, Order order) const override;
+  bool linear(const DensityInterpolation::Value& cell) const override { return cell.mix == 0; }
   bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                         Response<D>& out) const override;
   bool inLanes(Order order) const override { return order <= Order::TANGENT; }

@@ -108,10 +108,11 @@ class Discretisation {
   struct Scratch;
   struct LaneScratch;
   struct CellResult;
-  /// Cells of one colour and kind, worked on side by side; the last one fills what is left.
+  /// Cells of one colour and kind, all linear or none, worked on side by side; the last one fills what is left.
   struct Batch {
     int cells[elasticity::LANES];
     int count;
+    bool linear;
   };
   /// Sums over a rule's particles that do not depend on the displacements.
   struct RuleTable {
@@ -120,10 +121,15 @@ class Discretisation {
   };
   void numberNodes();
   void colourCells();
-  void dealCells(std::vector<int>& colour);
+  void dealCells();
+  std::vector<Batch> dealColour(const std::vector<int>& cells) const;
   bool inLanes(int kind, elasticity::Order order) const;
   void prepareCells();
   void buildTable(int rule, bool outer);
+  bool linearCell(int cell) const;
+  std::vector<double> linearHessian(int kind) const;
+  void prepareLinearCells();
+  void startBlocks(Assembly& out) const;
   template <int S>
   void assembleCells(const Eigen::VectorXd& u, elasticity::Order order, int threads, Assembly& out) const;
   template <int S>
@@ -131,6 +137,8 @@ class Discretisation {
   template <int S>
   void evaluateBatch(const Batch& batch, const Eigen::VectorXd& u, elasticity::Order order, LaneScratch& scratch,
                      CellResult* results) const;
+  template <int S>
+  void evaluateLinear(const Batch& batch, const Eigen::VectorXd& u, LaneScratch& scratch, CellResult* results) const;
   template <int S>
   void addShared(const Batch& batch, int term, LaneScratch& scratch) const;
   template <int S>
@@ -159,7 +167,10 @@ class Discretisation {
   std::vector<int> node_body_;
   BlockPattern<D> pattern_;
   std::vector<int> block_of_pair_;           ///< cells x stencil (stencil + 1) / 2: block of local nodes a >= b
+  std::vector<std::vector<int>> colours_;    ///< the cells of each
   std::vector<std::vector<Batch>> batches_;  ///< per colour
+  std::vector<std::vector<double>> linear_;  ///< per kind: of linearHessian(), if it has linear cells
+  std::vector<double> linear_blocks_;        ///< Hessian of all linear cells; empty if there is none
 };
 
 }  // namespace snapwing::mpm
