@@ -87,10 +87,11 @@ Eigen::VectorXd EquilibriumSolver::controls(double t) const {
 /// dp/dt
 Eigen::VectorXd EquilibriumSolver::driven() const { return one_control_ ? Eigen::VectorXd::Ones(1) : line_.direction; }
 
-/// The force on t in the place of those on each control.
+/// The force on t in the place of those on each control. A problem without controls may leave what was here before.
 void EquilibriumSolver::alongLine(Evaluation& at) const {
   if (one_control_) return;
-  const double force = at.control_force.size() > 0 ? line_.direction.dot(at.control_force) : 0;
+  const bool driven = line_.direction.size() > 0 && at.control_force.size() == line_.direction.size();
+  const double force = driven ? line_.direction.dot(at.control_force) : 0;
   at.control_force = Eigen::VectorXd::Constant(1, force);
 }
 

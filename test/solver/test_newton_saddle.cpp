@@ -102,7 +102,6 @@ class SaddleOnACurve : public Problem {
     out.force_scale = 1;
     out.finite = true;
     out.potential = potential_;
-    out.control_force.resize(0);
     out.constraint_residual = Eigen::VectorXd::Constant(1, gap);
     auto rows = std::make_shared<ConstraintRows>(1, 3);
     for (int k = 0; k < 3; ++k) rows->insert(0, k) = row(k);
