@@ -15,7 +15,7 @@ CgResult conjugateGradients(const SparsePattern& pattern, const std::vector<doub
   }
   double old_product = 0;
   while (result.iterations < max_iterations) {
-    const Eigen::VectorXd s = factor.solve(r);
+    const Eigen::VectorXd s = factor.precondition(r);
     ++result.iterations;
     const double product = r.dot(s);
     if (result.iterations == 1) {

@@ -109,6 +109,8 @@ struct Cholesky::Impl {
   }
   bool findOrder();
   void permute();
+  Eigen::MatrixXd inOrder(const Eigen::MatrixXd& given) const;    ///< rows in the order of elimination
+  Eigen::MatrixXd asGiven(const Eigen::MatrixXd& ordered) const;  ///< and back
 };
 
 /// Finds the fill-reducing order. Most matrices have the pattern of the one before (a curve's, its features', those of
@@ -252,21 +254,35 @@ void Cholesky::drop() { impl_->active = nullptr; }
 
 bool Cholesky::definite() const { return impl_->active != nullptr && impl_->active == impl_->factor; }
 
+Eigen::MatrixXd Cholesky::Impl::inOrder(const Eigen::MatrixXd& given) const {
+  Eigen::MatrixXd result(given.rows(), given.cols());
+  for (int c = 0; c < given.cols(); ++c) {
+    for (int k = 0; k < pattern.size; ++k) result(k, c) = given(order[k], c);
+  }
+  return result;
+}
+
+Eigen::MatrixXd Cholesky::Impl::asGiven(const Eigen::MatrixXd& ordered) const {
+  Eigen::MatrixXd result(ordered.rows(), ordered.cols());
+  for (int c = 0; c < ordered.cols(); ++c) {
+    for (int k = 0; k < pattern.size; ++k) result(order[k], c) = ordered(k, c);
+  }
+  return result;
+}
+
 Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right) const { return solve(Eigen::MatrixXd(right)).col(0); }
 
 Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
-  const Impl& s = *impl_;
-  const int n = s.pattern.size;
-  Eigen::MatrixXd permuted(right.rows(), right.cols());
-  for (int c = 0; c < right.cols(); ++c) {
-    for (int k = 0; k < n; ++k) permuted(k, c) = right(s.order[k], c);
-  }
-  permuted = solvePermuted(permuted);
-  Eigen::MatrixXd result(right.rows(), right.cols());
-  for (int c = 0; c < right.cols(); ++c) {
-    for (int k = 0; k < n; ++k) result(s.order[k], c) = permuted(k, c);
-  }
-  return result;
+  return impl_->asGiven(solvePermuted(impl_->inOrder(right)));
+}
+
+Eigen::VectorXd Cholesky::precondition(const Eigen::VectorXd& right) const {
+  if (!impl_->own || !definite()) return solve(right);
+  const double begin = secondsNow();
+  Eigen::MatrixXd x = impl_->inOrder(right);
+  impl_->own->solveNear(x.data());
+  seconds_solve_ += secondsNow() - begin;
+  return impl_->asGiven(x).col(0);
 }
 
 Eigen::MatrixXd Cholesky::solvePermuted(const Eigen::MatrixXd& right) const {

@@ -18,6 +18,10 @@ using supernodal::WIDE;
 
 namespace {
 
+/// Factors of so many values do not fit into the nearer caches: a sweep waits for memory, and half of it is read
+/// sooner.
+constexpr std::size_t BEYOND_CACHES = std::size_t{1} << 20;
+
 constexpr int MOST_COLUMNS = 48;  ///< of a panel: its part of a tile's sums stays in the nearest caches
 
 /// Zeros, in large pages where the system has them and the factor is of several: a sweep goes through all of memory.
@@ -122,21 +126,43 @@ void SupernodalFactor::update(const Panel& panel) {
 }
 
 bool SupernodalFactor::factorize(const std::vector<double>& values) {
+  rounded_now_ = false;
   load(values);
   for (const Panel& panel : panels_) {
     if (!eliminate(panel)) return false;
     update(panel);
+    if (!rounded_.empty()) round(panel);  // while it is in the caches
   }
+  rounded_now_ = !rounded_.empty();
   return true;
 }
 
+void SupernodalFactor::round(const Panel& panel) const {
+  const auto from = values_.begin() + static_cast<std::ptrdiff_t>(panel.at);
+  std::copy_n(from, static_cast<std::size_t>(panel.columns) * panel.stride,
+              rounded_.begin() + (from - values_.begin()));
+}
+
+supernodal::Sweep SupernodalFactor::sweep() const {
+  return {panels_,     inverse_.data(), rows_.data(), static_cast<std::size_t>(size_), work_.size() / MOST_TOGETHER,
+          work_.data()};
+}
+
 void SupernodalFactor::solve(double* x, int count) const {
-  const std::size_t room = work_.size() / MOST_TOGETHER;
   for (int done = 0; done < count; done += MOST_TOGETHER) {
-    supernodal::solve(
-        {panels_, values_.data(), inverse_.data(), rows_.data(), static_cast<std::size_t>(size_), room, work_.data()},
-        std::min(MOST_TOGETHER, count - done), x + static_cast<std::size_t>(done) * size_);
+    supernodal::solve(sweep(), values_.data(), std::min(MOST_TOGETHER, count - done),
+                      x + static_cast<std::size_t>(done) * size_);
   }
+}
+
+void SupernodalFactor::solveNear(double* x) const {
+  if (values_.size() < BEYOND_CACHES) return solve(x);
+  if (!rounded_now_) {
+    rounded_.resize(values_.size());
+    for (const Panel& panel : panels_) round(panel);
+    rounded_now_ = true;
+  }
+  supernodal::solve(sweep(), rounded_.data(), x);
 }
 
 }  // namespace snapwing::solver

@@ -13,6 +13,9 @@ struct cholmod_factor_struct;
 namespace snapwing::solver {
 
 struct SparsePattern;
+namespace supernodal {
+struct Sweep;
+}
 
 class SupernodalFactor {
  public:
@@ -24,6 +27,8 @@ class SupernodalFactor {
   /// Right sides in, solutions out, one a column of the matrix's size; several share each sweep over L, and each has
   /// the bits that it would have alone.
   void solve(double* x, int count = 1) const;
+  /// As solve() for a preconditioner: a large L is rounded to single precision, half of the memory to go through.
+  void solveNear(double* x) const;
 
   /// Columns that are eliminated together, and the rows below them. A supernode is one or several.
   struct Panel {
@@ -40,6 +45,8 @@ class SupernodalFactor {
   void load(const std::vector<double>& values);
   bool eliminate(const Panel& panel);
   void update(const Panel& panel);
+  void round(const Panel& panel) const;
+  supernodal::Sweep sweep() const;
 
   int size_ = 0;
   std::vector<Panel> panels_;
@@ -51,6 +58,8 @@ class SupernodalFactor {
   std::vector<double> inverse_;     ///< 1 / diagonal of L
   std::vector<int> relative_;       ///< work space: a panel's rows in the panel that it is subtracted from
   mutable std::vector<double> work_;
+  mutable std::vector<float> rounded_;  ///< values_ for solveNear(); empty before the first one
+  mutable bool rounded_now_ = false;    ///< they are those of this factor
 };
 
 }  // namespace snapwing::solver

@@ -44,13 +44,15 @@ void subtract(const double* lower, std::size_t stride, int columns, int begin, i
 /// What all sweeps of a factor share.
 struct Sweep {
   const std::vector<Panel>& panels;
-  const double *values, *inverses;
+  const double* inverses;
   const int* rows;
   std::size_t size;  ///< of a right side
   std::size_t room;  ///< of the work space of one right side
   double* work;
 };
-/// Right sides in, solutions out. @param count  1 .. MOST_TOGETHER
-void solve(const Sweep& sweep, int count, double* x);
+/// Right sides in, solutions out. @param values  of L; @param count  1 .. MOST_TOGETHER
+void solve(const Sweep& sweep, const double* values, int count, double* x);
+/// The same for one right side, with L rounded.
+void solve(const Sweep& sweep, const float* values, double* x);
 
 }  // namespace snapwing::solver::supernodal

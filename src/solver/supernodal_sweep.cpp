@@ -14,20 +14,28 @@ struct Parts {
   double* of[R];
 };
 
+typedef float FourShort __attribute__((vector_size(16), aligned(4), may_alias));
+
+SNAPWING_INLINE void read(const double* at, Four& out) { out = *reinterpret_cast<const Four*>(at); }
+SNAPWING_INLINE void read(const float* at, Four& out) {
+  out = __builtin_convertvector(*reinterpret_cast<const FourShort*>(at), Four);
+}
+
 /// Asks for what the next block of columns needs at the same rows. The processor's own guess fails at each column's
 /// end.
-template <int C>
-SNAPWING_INLINE void prefetch(const double* column, std::ptrdiff_t stride, std::ptrdiff_t block) {
+template <int C, class T>
+SNAPWING_INLINE void prefetch(const T* column, std::ptrdiff_t stride, std::ptrdiff_t block) {
 #pragma GCC unroll 4
   for (int c = 0; c < C; ++c) __builtin_prefetch(column + c * stride + block);
 }
 
 /// Solves with the C columns from j on and takes their share from the rows behind them.
 /// @tparam AHEAD  columns are so long that it pays to prefetch the next block's
-template <int C, int R, bool AHEAD>
-SNAPWING_INLINE void forwardBlock(const double* first, std::size_t stride, int j, const double* inverse,
+/// @tparam T  of L; all arithmetic is in double
+template <int C, int R, bool AHEAD, class T>
+SNAPWING_INLINE void forwardBlock(const T* first, std::size_t stride, int j, const double* inverse,
                                   const Parts<R>& part) {
-  const double* column = first + j * stride;
+  const T* column = first + j * stride;
   double f[R][C];
 #pragma GCC unroll 4
   for (int s = 0; s < R; ++s) {
@@ -48,7 +56,7 @@ SNAPWING_INLINE void forwardBlock(const double* first, std::size_t stride, int j
     if (AHEAD) prefetch<C>(column + i, static_cast<std::ptrdiff_t>(stride), static_cast<std::ptrdiff_t>(WIDE * stride));
     Four rows[C];
 #pragma GCC unroll 4
-    for (int c = 0; c < C; ++c) rows[c] = *reinterpret_cast<const Four*>(column + c * stride + i);
+    for (int c = 0; c < C; ++c) read(column + c * stride + i, rows[c]);
 #pragma GCC unroll 4
     for (int s = 0; s < R; ++s) {
       Four& to = *reinterpret_cast<Four*>(part.of[s] + i);
@@ -61,10 +69,10 @@ SNAPWING_INLINE void forwardBlock(const double* first, std::size_t stride, int j
 }
 
 /// Takes from the C columns from j on what the rows behind them make, and solves with their triangle.
-template <int C, int R, bool AHEAD>
-SNAPWING_INLINE void backwardBlock(const double* first, std::size_t stride, int j, const double* inverse,
+template <int C, int R, bool AHEAD, class T>
+SNAPWING_INLINE void backwardBlock(const T* first, std::size_t stride, int j, const double* inverse,
                                    const Parts<R>& part) {
-  const double* column = first + j * stride;
+  const T* column = first + j * stride;
   Four sum[R][C];
 #pragma GCC unroll 4
   for (int s = 0; s < R; ++s) {
@@ -76,7 +84,7 @@ SNAPWING_INLINE void backwardBlock(const double* first, std::size_t stride, int 
       prefetch<C>(column + i, static_cast<std::ptrdiff_t>(stride), -static_cast<std::ptrdiff_t>(WIDE * stride));
     Four rows[C];
 #pragma GCC unroll 4
-    for (int c = 0; c < C; ++c) rows[c] = *reinterpret_cast<const Four*>(column + c * stride + i);
+    for (int c = 0; c < C; ++c) read(column + c * stride + i, rows[c]);
 #pragma GCC unroll 4
     for (int s = 0; s < R; ++s) {
       const Four own = *reinterpret_cast<const Four*>(part.of[s] + i);
@@ -98,8 +106,8 @@ SNAPWING_INLINE void backwardBlock(const double* first, std::size_t stride, int 
   }
 }
 
-template <int R>
-SNAPWING_INLINE void forwardIn(const double* first, std::size_t stride, int columns, const double* inverse,
+template <int R, class T>
+SNAPWING_INLINE void forwardIn(const T* first, std::size_t stride, int columns, const double* inverse,
                                const Parts<R>& part) {
   int j = 0;
   for (; j + WIDE <= columns && stride < LONG; j += WIDE) {
@@ -118,8 +126,8 @@ SNAPWING_INLINE void forwardIn(const double* first, std::size_t stride, int colu
   }
 }
 
-template <int R>
-SNAPWING_INLINE void backwardIn(const double* first, std::size_t stride, int columns, const double* inverse,
+template <int R, class T>
+SNAPWING_INLINE void backwardIn(const T* first, std::size_t stride, int columns, const double* inverse,
                                 const Parts<R>& part) {
   int j = columns - columns % WIDE;
   switch (columns - j) {
@@ -142,8 +150,8 @@ SNAPWING_INLINE void backwardIn(const double* first, std::size_t stride, int col
 }
 
 /// One sweep forwards and one back over all panels.
-template <int R>
-SNAPWING_INLINE void sweepAll(const Sweep& sweep, double* x) {
+template <int R, class T>
+SNAPWING_INLINE void sweepAll(const Sweep& sweep, const T* values, double* x) {
   const std::size_t size = sweep.size;
   Parts<R> part;
   for (int s = 0; s < R; ++s) part.of[s] = sweep.work + s * sweep.room;
@@ -155,7 +163,7 @@ SNAPWING_INLINE void sweepAll(const Sweep& sweep, double* x) {
       std::copy_n(x + s * size + panel.first, columns, part.of[s]);
       std::fill(part.of[s] + columns, part.of[s] + panel.stride, 0.0);
     }
-    forwardIn<R>(sweep.values + panel.at, panel.stride, columns, sweep.inverses + panel.first, part);
+    forwardIn<R>(values + panel.at, panel.stride, columns, sweep.inverses + panel.first, part);
 #pragma GCC unroll 4
     for (int s = 0; s < R; ++s) {
       double* to = x + s * size;
@@ -173,7 +181,7 @@ SNAPWING_INLINE void sweepAll(const Sweep& sweep, double* x) {
       for (int i = 0; i < below; ++i) part.of[s][columns + i] = from[rows[i]];
       std::fill(part.of[s] + panel->rows, part.of[s] + panel->stride, 0.0);
     }
-    backwardIn<R>(sweep.values + panel->at, panel->stride, columns, sweep.inverses + panel->first, part);
+    backwardIn<R>(values + panel->at, panel->stride, columns, sweep.inverses + panel->first, part);
 #pragma GCC unroll 4
     for (int s = 0; s < R; ++s) std::copy_n(part.of[s], columns, x + s * size + panel->first);
   }
@@ -185,15 +193,18 @@ SNAPWING_INLINE void sweepAll(const Sweep& sweep, double* x) {
 #else
 #define SNAPWING_SWEEP
 #endif
-SNAPWING_SWEEP void sweepTogether(const Sweep& sweep, int count, double* x) {
-  if (count == 1) return sweepAll<1>(sweep, x);
-  if (count == 2) return sweepAll<2>(sweep, x);
-  if (count == 3) return sweepAll<3>(sweep, x);
-  return sweepAll<4>(sweep, x);
+SNAPWING_SWEEP void sweepTogether(const Sweep& sweep, const double* values, int count, double* x) {
+  if (count == 1) return sweepAll<1>(sweep, values, x);
+  if (count == 2) return sweepAll<2>(sweep, values, x);
+  if (count == 3) return sweepAll<3>(sweep, values, x);
+  return sweepAll<4>(sweep, values, x);
 }
+SNAPWING_SWEEP void sweepOnce(const Sweep& sweep, const float* values, double* x) { sweepAll<1>(sweep, values, x); }
 
 }  // namespace
 
-void solve(const Sweep& sweep, int count, double* x) { sweepTogether(sweep, count, x); }
+void solve(const Sweep& sweep, const double* values, int count, double* x) { sweepTogether(sweep, values, count, x); }
+
+void solve(const Sweep& sweep, const float* values, double* x) { sweepOnce(sweep, values, x); }
 
 }  // namespace snapwing::solver::supernodal

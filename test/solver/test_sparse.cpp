@@ -120,6 +120,26 @@ TEST(Cholesky, SolvesFullFrontsOfEveryWidth) {
   }
 }
 
+/// A preconditioner is one matrix, symmetric and near the inverse; a large factor is rounded for it, a small one is not.
+TEST(Cholesky, PreconditionsNearlyAsItSolves) {
+  SparsePattern pattern;
+  std::vector<double> values;
+  for (const int n : {203, 1501}) {
+    full(n, pattern, values);
+    Cholesky cholesky(pattern);
+    for (const double factor : {1.0, 3.0, 0.2}) {  // the second one is rounded as it is made
+      for (double& value : values) value *= factor;
+      ASSERT_TRUE(cholesky.factorize(values));
+      const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(n, -1, 2), b = Eigen::VectorXd::Random(n);
+      const Eigen::VectorXd near = cholesky.precondition(a), exact = cholesky.solve(a);
+      const double error = (near - exact).norm() / exact.norm();
+      EXPECT_LT(error, 1e-6);
+      EXPECT_EQ(error > 1e-10, n > 203) << "rounded";
+      EXPECT_NEAR(b.dot(near), a.dot(cholesky.precondition(b)), 1e-12 * exact.norm() * b.norm());
+    }
+  }
+}
+
 TEST(Cholesky, SolvesWhatIsLeftToCholmod) {
   SparsePattern pattern;
   std::vector<double> values;

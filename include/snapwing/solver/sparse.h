@@ -54,6 +54,9 @@ class Cholesky : public common::Lender {
   /// @throws common::Error without a factor
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  /// As solve() to some seven digits, with a symmetric positive definite matrix, for definite() factors: a
+  /// preconditioner of conjugate gradients, which costs less where the factor is large.
+  Eigen::VectorXd precondition(const Eigen::VectorXd& right) const;
   double factorEntries() const;  ///< nnz(L) of the analysis
   /// Cost of a factorisation in units of one solve, estimated from the analysis, so that it is the same on each
   /// machine.
