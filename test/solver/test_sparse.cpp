@@ -120,7 +120,8 @@ TEST(Cholesky, SolvesFullFrontsOfEveryWidth) {
   }
 }
 
-/// A preconditioner is one matrix, symmetric and near the inverse; a large factor is rounded for it, a small one is not.
+/// A preconditioner is one matrix, symmetric and near the inverse; a large factor is rounded for it, a small one is
+/// not.
 TEST(Cholesky, PreconditionsNearlyAsItSolves) {
   SparsePattern pattern;
   std::vector<double> values;
