@@ -1,7 +1,7 @@
 // The `snapwing` command line: everything that a node does online can be done here, offline, on the same core.
 //
-// This program tells its version. It hands predictions to `snapwing_predict` and all else to `snapwing_all`: that one
-// is linked with solvers, and loading them takes longer than a prediction.
+// This program tells its version. It hands predictions and plans to `snapwing_predict` and all else to `snapwing_all`:
+// that one is linked with solvers, and loading them takes longer than a prediction.
 #include <unistd.h>
 
 #include <cerrno>
@@ -30,10 +30,10 @@ std::string become(const std::filesystem::path& program, char** argv) {
 }
 
 /// Does not come back, unless that fails.
-int handOver(bool prediction, char** argv) {
+int handOver(bool online, char** argv) {
   std::error_code error;
   const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  if (prediction && !error) become(folder / "snapwing_predict", argv);  // where it is missing, the next one predicts
+  if (online && !error) become(folder / "snapwing_predict", argv);  // where it is missing, the next one serves
   const std::filesystem::path program = folder / "snapwing_all";
   // BLAS starts a thread for each core as it is loaded, which spins for a while and gets no work (solver::Cholesky).
   setenv("OPENBLAS_NUM_THREADS", "1", 0);
@@ -47,5 +47,5 @@ int handOver(bool prediction, char** argv) {
 int main(int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "";
   if (first == "--version" && argc == 2) return tellVersion();
-  return handOver(first == "predict", argv);
+  return handOver(first == "predict" || first == "plan", argv);
 }

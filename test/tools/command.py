@@ -11,6 +11,7 @@ VEHICLE = ROOT / "config" / "vehicles" / "arris_x220.yaml"
 BEAM = (ROOT / "config" / "scenes" / "snap_beam.yaml").read_text()
 COARSE = ("-q", "--kernel", "linear_reduced", "--cell-size", "8e-4")
 PREDICT = ("predict", VEHICLE, "--from", "F", "--throttle", ".7", "--duration", ".16")
+PLAN = ("plan", VEHICLE, "--from", "F", "--samples", "2", "--search-samples", "2")
 
 
 class Case(unittest.TestCase):

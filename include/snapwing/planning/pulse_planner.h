@@ -28,7 +28,8 @@ struct PlannerSettings {
   double hold_duration = 0;  ///< [s]
   int scan_throttles = 15;   ///< coarse scan's grid
   int scan_durations = 15;
-  int search_samples = 64;        ///< realisations during the search, beside corners
+  /// Realisations during the search, beside the nominal one and corners: with these whole blocks of the ensemble.
+  int search_samples = 63;
   int verify_samples = 512;       ///< fresh realisations for the final check
   int corner_parameters = 4;      ///< every corner of this many parameters that matter most is checked as well, 0 .. 8
   int refine_evaluations = 40;    ///< of NLopt, at most
