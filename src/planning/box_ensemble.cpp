@@ -67,15 +67,15 @@ double BoxEnsembleOutcome::reached(double share) const {
 }
 
 BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
-                                         double give_up, int threads) const {
+                                         double give_up, int threads, const BoxEnsembleOutcome& known) const {
   constexpr int LANES = rom::Ensemble::SIDE_BY_SIDE;
-  BoxEnsembleOutcome outcome;
-  outcome.worst = INFINITY;
+  BoxEnsembleOutcome outcome = known;
+  const auto hopeless = [&] { return settings_.required_share >= 1.0 && outcome.worst < give_up; };
   std::vector<double> durations(size());
   for (int i = 0; i < size(); ++i) durations[i] = received(i, pulse).duration;
   const int block = std::isinf(give_up) ? size() : LANES;  // as many as the answer needs in any case
   std::vector<rom::EnsembleOutcome> found(block);
-  for (int first = 0; first < size(); first += block) {
+  for (int first = known.tried; first < size() && !hopeless(); first += block) {
     const int count = std::min(block, size() - first);
     // Whole lanes of vehicles for each thread, and not less at once: the ensemble chooses who goes beside whom.
     const int per_thread = (count + LANES * threads - 1) / (LANES * threads) * LANES;
@@ -95,7 +95,6 @@ BoxEnsembleOutcome BoxEnsemble::tryPulse(vehicle::Mode start, const vehicle::Pul
         outcome.worst_index = first + i;
       }
     }
-    if (settings_.required_share >= 1.0 && outcome.worst < give_up) break;
   }
   return outcome;
 }

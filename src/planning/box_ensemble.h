@@ -1,6 +1,7 @@
 #pragma once
 /// Vehicles, one for each point of the uncertainty box, on which pulses are tried. Private to the layer.
 
+#include <cmath>
 #include <vector>
 
 #include "snapwing/planning/pulse_planner.h"
@@ -13,9 +14,9 @@ namespace snapwing::planning {
 
 /// Outcome of one pulse over an ensemble.
 struct BoxEnsembleOutcome {
-  double worst = 0;     ///< smallest margin among those tried
-  int worst_index = 0;  ///< who had it
-  int switched = 0;     ///< how many ended in the target mode
+  double worst = INFINITY;  ///< smallest margin among those tried
+  int worst_index = 0;      ///< who had it
+  int switched = 0;         ///< how many ended in the target mode
   int tried = 0;
   std::vector<double> margins;  ///< of those tried, in order
   /// Margin that the wanted share of the vehicles reaches; the worst if all must.
@@ -49,8 +50,9 @@ class BoxEnsemble {
 
   /// Tries a pulse on all vehicles, in order; if all must switch, gives up after a block, side by side, whose worst is
   /// below `give_up`.
+  /// @param known  outcome of the same pulse and trial for the first of them, which are not tried again
   BoxEnsembleOutcome tryPulse(vehicle::Mode start, const vehicle::Pulse& pulse, const vehicle::Trial& trial,
-                              double give_up, int threads) const;
+                              double give_up, int threads, const BoxEnsembleOutcome& known = {}) const;
 
  private:
   vehicle::Vehicle vehicle_;

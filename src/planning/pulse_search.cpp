@@ -34,7 +34,7 @@ PulseSearch::PulseSearch(const vehicle::Vehicle& vehicle, const vehicle::ForceTa
 
 void PulseSearch::scan() {
   const PlannerSettings& s = settings_;
-  std::vector<std::pair<double, vehicle::Pulse>> found;
+  std::vector<std::pair<double, Candidate>> found;
   double best_value = -INFINITY;
   for (int row = 0; row < s.scan_throttles && !cancelled(); ++row) {
     // A row shares the bound known before it, so that the threads' order does not matter.
@@ -51,22 +51,23 @@ void PulseSearch::scan() {
       predictions_ += outcomes[j].tried;
       const double v = value(pulseAt(j), outcomes[j]);
       best_value = std::max(best_value, v);
-      found.emplace_back(v, pulseAt(j));
+      found.emplace_back(v, Candidate{pulseAt(j), std::move(outcomes[j])});
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   found.resize(std::min<std::size_t>(found.size(), CANDIDATES));
-  for (const auto& [v, pulse] : found) candidates_.push_back(pulse);
+  for (auto& [v, candidate] : found) candidates_.push_back(std::move(candidate));
 }
 
 vehicle::Pulse PulseSearch::bestCandidate() {
   vehicle::Pulse best = settings_.pulse(start_, settings_.throttle_max, settings_.duration_max);
   double best_value = -INFINITY;
-  for (const vehicle::Pulse& pulse : candidates_) {
-    const BoxEnsembleOutcome outcome = ensemble_.tryPulse(start_, pulse, trial_, best_value, settings_.threads);
+  for (auto& [pulse, known] : candidates_) {
+    const int before = known.tried;
+    known = ensemble_.tryPulse(start_, pulse, trial_, best_value, settings_.threads, known);
     ++evaluations_;
-    predictions_ += outcome.tried;
-    const double v = value(pulse, outcome);
+    predictions_ += known.tried - before;
+    const double v = value(pulse, known);
     if (v > best_value) {
       best_value = v;
       best = pulse;
@@ -83,7 +84,7 @@ void PulseSearch::learn(const vehicle::Pulse& pulse, const BoxEnsembleOutcome& c
   for (const int index : order) {
     if (checked.margins[index] < settings_.enough_margin) ensemble_.add(checked_.point(index));
   }
-  candidates_.push_back(pulse);
+  candidates_.push_back({pulse, {}});
 }
 
 vehicle::Pulse PulseSearch::refine(const vehicle::Pulse& from) {

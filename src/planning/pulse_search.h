@@ -14,6 +14,12 @@ inline double gridValue(double low, double high, int index, int count) {
   return count > 1 ? low + (high - low) * index / (count - 1) : low;
 }
 
+/// A pulse that may be returned to, and how the first vehicles of the ensemble fare with it.
+struct Candidate {
+  vehicle::Pulse pulse;
+  BoxEnsembleOutcome known;
+};
+
 /// One search: the ensemble grows by what the check finds.
 class PulseSearch {
  public:
@@ -53,7 +59,7 @@ class PulseSearch {
   vehicle::Trial trial_;
   std::function<bool()> cancelled_;
   BoxEnsemble ensemble_, checked_;
-  std::vector<vehicle::Pulse> candidates_;
+  std::vector<Candidate> candidates_;
   int evaluations_ = 0;
   long predictions_ = 0;
 };
