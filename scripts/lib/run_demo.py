@@ -39,7 +39,14 @@ class HiddenScreen:
         self.processes.append(subprocess.Popen(["openbox"], env={**os.environ, **self.environment}, stdout=log, stderr=log))
 
     def save(self, path):
+        """@return whether the vehicle is drawn; if not, no file is left. The screen is of one colour without rviz, rviz without a
+        vehicle has 600, and with one 6000."""
         subprocess.run(["import", "-window", "root", str(path)], env={**os.environ, **self.environment}, check=True, timeout=30)
+        colours = subprocess.run(["identify", "-format", "%k", str(path)], check=True, capture_output=True, text=True, timeout=30)
+        if int(colours.stdout) > 2000:
+            return True
+        pathlib.Path(path).unlink()
+        return False
 
     def close(self):
         for process in reversed(self.processes):
@@ -54,6 +61,7 @@ def launch_command(options, master_port):
         "mount": options.mount,
         "kill_bridge": options.kill_bridge,
         "rviz": "true" if options.rviz == "true" or options.picture else "false",
+        "rviz_respawn": "true" if options.picture else "false",  # it sometimes dies as it starts; nobody closes a hidden one
         "controller_port": free_port(socket.SOCK_STREAM),
         "motor_port": free_port(socket.SOCK_DGRAM),
         "lcm_url": f"udpm://239.255.76.67:{free_port(socket.SOCK_DGRAM)}?ttl=0",
@@ -71,8 +79,7 @@ def wait_and_picture(process, screen, options, marker):
             print(f"demo: not finished after {LONGEST_RUN:.0f} s, giving up", file=sys.stderr)
             break
         if screen and not taken and marker.exists():
-            screen.save(options.picture)
-            taken = True
+            taken = screen.save(options.picture)
         time.sleep(0.1)
     return taken
 
@@ -139,7 +146,7 @@ def conclude(output, options, taken):
     if summary.exists():
         print(summary.read_text())
     if options.picture:
-        print(f"picture: {options.picture if taken else 'not taken'}")
+        print(f"picture: {options.picture if taken else 'not taken: rviz has drawn nothing, or the run ended early; see roslaunch.log'}")
         code = code if taken else max(code, 1)
     report = output / "report.html"
     print(f"report:  {report if report.exists() else 'missing; see ' + str(output / 'roslaunch.log')}")
