@@ -58,19 +58,31 @@ void HessianLayout::each(const std::function<void(int, int, int)>& visit) const 
 
 namespace {
 
-/// y += H x for node blocks by columns, of which the lower ones are there.
+/// Whether each node moves in x.
+template <int D>
+std::vector<char> movingNodes(std::size_t nodes, const double* x) {
+  std::vector<char> moving(nodes);
+  for (std::size_t n = 0; n < nodes; ++n)
+    moving[n] = !Eigen::Map<const Eigen::Matrix<double, D, 1>>(x + D * n).isZero(0);
+  return moving;
+}
+
+/// y += H x for node blocks by columns, of which the lower ones are there. Blocks that meet no motion are passed over:
+/// a control moves few nodes by itself (TermProblem::controlTangent), and H is not in the caches.
 template <int D>
 void addBlocks(const std::vector<int>& start, const std::vector<int>& row, const double* values, const double* x,
                double* y) {
   using Node = Eigen::Matrix<double, D, 1>;
+  const std::vector<char> moving = movingNodes<D>(start.size() - 1, x);
   for (std::size_t column = 0; column + 1 < start.size(); ++column) {
     const Node from = Eigen::Map<const Node>(x + D * column);
+    const bool own = moving[column];
     Node sum = Node::Zero();
     for (int b = start[column]; b < start[column + 1]; ++b) {
       const Eigen::Map<const Eigen::Matrix<double, D, D>> block(values + static_cast<std::size_t>(b) * D * D);
-      const std::size_t at = D * static_cast<std::size_t>(row[b]);
-      Eigen::Map<Node>(y + at) += block * from;
-      if (at != D * column) sum += block.transpose() * Eigen::Map<const Node>(x + at);
+      const std::size_t node = row[b], at = D * node;
+      if (own) Eigen::Map<Node>(y + at) += block * from;
+      if (moving[node] && node != column) sum += block.transpose() * Eigen::Map<const Node>(x + at);
     }
     Eigen::Map<Node>(y + D * column) += sum;
   }
