@@ -102,8 +102,9 @@ struct Cholesky::Impl {
   void setValues(const std::vector<double>& values) {
     for (std::size_t k = 0; k < values.size(); ++k) permuted[place[k]] = values[k];
   }
-  bool factorize() {
-    if (own) return own->factorize(permuted);
+  bool factorize(const std::vector<double>& values) {
+    if (own) return own->factorize(values);
+    setValues(values);
     cholmod_factorize(&matrix, factor, &common);
     return common.status == CHOLMOD_OK && factor->minor == factor->n;
   }
@@ -199,7 +200,7 @@ Cholesky::Cholesky(const SparsePattern& pattern) : impl_(std::make_unique<Impl>(
     s.common.postorder = 0;
     mergeSupernodes(s.common, own);
     s.factor = s.analyse(CHOLMOD_SUPERNODAL);
-    if (own) s.own = std::make_unique<SupernodalFactor>(*s.factor, s.pattern);
+    if (own) s.own = std::make_unique<SupernodalFactor>(*s.factor, s.pattern, s.place);
   }
   seconds_analysis_ = secondsNow() - begin;
 }
@@ -218,8 +219,7 @@ bool Cholesky::factorize(const std::vector<double>& values) {
   const double begin = secondsNow();
   const SerialRegions one_thread;
   ++factorizations_;
-  impl_->setValues(values);
-  const bool good = impl_->factorize();
+  const bool good = impl_->factorize(values);
   impl_->active = good ? impl_->factor : nullptr;
   seconds_factor_ += secondsNow() - begin;
   return good;

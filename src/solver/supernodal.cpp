@@ -59,7 +59,8 @@ void SupernodalFactor::addPanels(int first, int end, const int* rows, int count)
   }
 }
 
-SupernodalFactor::SupernodalFactor(const cholmod_factor_struct& analysis, const SparsePattern& matrix)
+SupernodalFactor::SupernodalFactor(const cholmod_factor_struct& analysis, const SparsePattern& matrix,
+                                   const std::vector<int>& place)
     : size_(matrix.size) {
   const auto* super = static_cast<const int*>(analysis.super);
   const auto* row_begin = static_cast<const int*>(analysis.pi);
@@ -76,14 +77,15 @@ SupernodalFactor::SupernodalFactor(const cholmod_factor_struct& analysis, const 
   inverse_.resize(size_);
   relative_.resize(longest);
   work_.resize(static_cast<std::size_t>(MOST_TOGETHER) * (longest + LANES));
-  place_.reserve(matrix.row.size());
+  loads_.resize(matrix.row.size());
+  for (std::size_t k = 0; k < place.size(); ++k) loads_[place[k]].source = static_cast<int>(k);
   for (int column = 0; column < size_; ++column) {
     const Panel& panel = panels_[panel_of_[column]];
     if (column == panel.first) begin_.push_back(matrix.start[column]);
     const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(panel.row_at);
     for (int k = matrix.start[column]; k < matrix.start[column + 1]; ++k) {
       const auto found = std::lower_bound(begin, begin + panel.rows, matrix.row[k]);
-      place_.push_back(panel.at + static_cast<std::size_t>(column - panel.first) * panel.stride + (found - begin));
+      loads_[k].place = static_cast<unsigned>((column - panel.first) * panel.stride + (found - begin));
     }
   }
   begin_.push_back(matrix.start[size_]);
@@ -97,7 +99,8 @@ void SupernodalFactor::load(const std::vector<double>& values) {
       std::fill_n(values_.begin() + static_cast<std::ptrdiff_t>(panel.at + static_cast<std::size_t>(c) * panel.stride),
                   panel.stride, 0.0);
     }
-    for (int v = begin_[k]; v < begin_[k + 1]; ++v) values_[place_[v]] = values[v];
+    double* to = values_.data() + panel.at;
+    for (int v = begin_[k]; v < begin_[k + 1]; ++v) to[loads_[v].place] = values[loads_[v].source];
   }
 }
 

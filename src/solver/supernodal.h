@@ -20,9 +20,10 @@ struct Sweep;
 class SupernodalFactor {
  public:
   /// @param analysis  CHOLMOD's supernodal analysis of `matrix`, in the natural order
-  SupernodalFactor(const cholmod_factor_struct& analysis, const SparsePattern& matrix);
+  /// @param place     of each given value in the order of the matrix's pattern
+  SupernodalFactor(const cholmod_factor_struct& analysis, const SparsePattern& matrix, const std::vector<int>& place);
 
-  /// L L^T of the matrix, values in the order of its pattern. @return false if a pivot is not positive
+  /// L L^T of the matrix. @param values  in the given order. @return false if a pivot is not positive
   bool factorize(const std::vector<double>& values);
   /// Right sides in, solutions out, one a column of the matrix's size; several share each sweep over L, and each has
   /// the bits that it would have alone.
@@ -41,6 +42,10 @@ class SupernodalFactor {
   };
 
  private:
+  struct Value {
+    int source;      ///< its number as it is given
+    unsigned place;  ///< in its panel
+  };
   void addPanels(int first, int end, const int* rows, int count);
   void load(const std::vector<double>& values);
   bool eliminate(const Panel& panel);
@@ -50,13 +55,13 @@ class SupernodalFactor {
 
   int size_ = 0;
   std::vector<Panel> panels_;
-  std::vector<int> rows_;           ///< of all panels, ascending in each
-  std::vector<int> panel_of_;       ///< of each column
-  std::vector<std::size_t> place_;  ///< of each value of the matrix
-  std::vector<int> begin_;          ///< of each panel's values of the matrix
-  std::vector<double> values_;      ///< of L, and room behind them that is read but not used
-  std::vector<double> inverse_;     ///< 1 / diagonal of L
-  std::vector<int> relative_;       ///< work space: a panel's rows in the panel that it is subtracted from
+  std::vector<int> rows_;        ///< of all panels, ascending in each
+  std::vector<int> panel_of_;    ///< of each column
+  std::vector<Value> loads_;     ///< of the matrix, panel after panel
+  std::vector<int> begin_;       ///< of each panel's values of the matrix
+  std::vector<double> values_;   ///< of L, and room behind them that is read but not used
+  std::vector<double> inverse_;  ///< 1 / diagonal of L
+  std::vector<int> relative_;    ///< work space: a panel's rows in the panel that it is subtracted from
   mutable std::vector<double> work_;
   mutable std::vector<float> rounded_;  ///< values_ for solveNear(); empty before the first one
   mutable bool rounded_now_ = false;    ///< they are those of this factor
