@@ -157,7 +157,7 @@ Reduction::Reduction(int dofs, int controls, const std::vector<Equation>& equati
 }
 
 Eigen::VectorXd Reduction::expandDirection(const Eigen::VectorXd& dz, const Eigen::VectorXd& dp) const {
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(dofs_);
+  Eigen::VectorXd u(dofs_);  // a dof is either free or a slave
   for (int z = 0; z < freeCount(); ++z) u(dof_of_free_[z]) = dz(z);
   for (std::size_t s = 0; s < slaves_.size(); ++s) {
     double value = 0;

@@ -110,6 +110,8 @@ struct Cholesky::Impl {
   }
   bool findOrder();
   void permute();
+  template <class Sweep>
+  Eigen::VectorXd solveOwn(const Eigen::VectorXd& right, const Sweep& sweep) const;
   Eigen::MatrixXd inOrder(const Eigen::MatrixXd& given) const;    ///< rows in the order of elimination
   Eigen::MatrixXd asGiven(const Eigen::MatrixXd& ordered) const;  ///< and back
 };
@@ -270,7 +272,23 @@ Eigen::MatrixXd Cholesky::Impl::asGiven(const Eigen::MatrixXd& ordered) const {
   return result;
 }
 
-Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right) const { return solve(Eigen::MatrixXd(right)).col(0); }
+/// One right side with the own factor: the only copies are the two that permute.
+template <class Sweep>
+Eigen::VectorXd Cholesky::Impl::solveOwn(const Eigen::VectorXd& right, const Sweep& sweep) const {
+  Eigen::VectorXd x(right.size()), result(right.size());
+  for (int k = 0; k < pattern.size; ++k) x(k) = right(order[k]);
+  sweep(x.data());
+  for (int k = 0; k < pattern.size; ++k) result(order[k]) = x(k);
+  return result;
+}
+
+Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& right) const {
+  if (!impl_->own || !definite()) return solve(Eigen::MatrixXd(right)).col(0);
+  const double begin = secondsNow();
+  Eigen::VectorXd x = impl_->solveOwn(right, [this](double* values) { impl_->own->solve(values); });
+  seconds_solve_ += secondsNow() - begin;
+  return x;
+}
 
 Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
   return impl_->asGiven(solvePermuted(impl_->inOrder(right)));
@@ -279,10 +297,9 @@ Eigen::MatrixXd Cholesky::solve(const Eigen::MatrixXd& right) const {
 Eigen::VectorXd Cholesky::precondition(const Eigen::VectorXd& right) const {
   if (!impl_->own || !definite()) return solve(right);
   const double begin = secondsNow();
-  Eigen::MatrixXd x = impl_->inOrder(right);
-  impl_->own->solveNear(x.data());
+  Eigen::VectorXd x = impl_->solveOwn(right, [this](double* values) { impl_->own->solveNear(values); });
   seconds_solve_ += secondsNow() - begin;
-  return impl_->asGiven(x).col(0);
+  return x;
 }
 
 Eigen::MatrixXd Cholesky::solvePermuted(const Eigen::MatrixXd& right) const {
