@@ -177,6 +177,8 @@ class CompiledSceneOf : public CompiledScene {
   }
   /// Nodal vectors in the axes of their bodies, turned into those of the world.
   Eigen::VectorXd inWorld(Eigen::VectorXd u) const {
+    const auto moved = [](const SceneBody& body) { return body.frame.moved(); };
+    if (std::none_of(scene_.bodies.begin(), scene_.bodies.end(), moved)) return u;
     for (int node = 0; node < cells_->nodeCount(); ++node) {
       const Frame& frame = scene_.bodies[cells_->nodeBody(node)].frame;
       if (!frame.moved()) continue;
