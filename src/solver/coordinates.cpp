@@ -89,7 +89,7 @@ Eigen::VectorXd Coordinates::expand(const Eigen::VectorXd& z, const Eigen::Vecto
                                     const References* references) const {
   Place place;
   at(z, p, references, place);
-  return place.y;
+  return std::move(place.y);
 }
 
 int Coordinates::freeOf(int dof) const {
@@ -128,7 +128,8 @@ Eigen::VectorXd Coordinates::pullBackInner(const Eigen::VectorXd& inner,
 
 Eigen::VectorXd Coordinates::pullBack(const Place& at, const Eigen::VectorXd& full) const {
   Eigen::VectorXd inner = linear_.restrictToFree(full);
-  return groups_.empty() ? inner : pullBackInner(inner, at.rotations);
+  if (groups_.empty()) return inner;
+  return pullBackInner(inner, at.rotations);
 }
 
 ConstraintRows Coordinates::pullBack(const Place& at, const ConstraintRows& rows) const {

@@ -57,10 +57,11 @@ std::vector<Eigen::VectorXd> sums(const Points& points, const std::vector<std::v
   constexpr Eigen::Index BLOCK = 256;
   const Eigen::Index size = points.back().z.size();
   std::vector<Eigen::VectorXd> values;
-  for (std::size_t n = 0; n < polynomials.size(); ++n) values.push_back(Eigen::VectorXd::Zero(size));
+  for (std::size_t n = 0; n < polynomials.size(); ++n) values.emplace_back(size);
   for (Eigen::Index from = 0; from < size; from += BLOCK) {
     const Eigen::Index count = std::min(BLOCK, size - from);
     for (std::size_t n = 0; n < polynomials.size(); ++n) {
+      values[n].segment(from, count).setZero();
       auto point = points.end() - static_cast<std::ptrdiff_t>(polynomials[n].size());
       for (const Weights& w : polynomials[n]) {
         addShare(w, point->z.data() + from, point->slope.data() + from, count, values[n].data() + from);
