@@ -91,15 +91,13 @@ SupernodalFactor::SupernodalFactor(const cholmod_factor_struct& analysis, const 
   begin_.push_back(matrix.start[size_]);
 }
 
-/// Column after column is cleared, while it is about to be written: one pass over memory.
+/// Panel after panel is cleared, while it is about to be written: one pass over memory.
 void SupernodalFactor::load(const std::vector<double>& values) {
   for (std::size_t k = 0; k < panels_.size(); ++k) {
     const Panel& panel = panels_[k];
-    for (int c = 0; c < panel.columns; ++c) {
-      std::fill_n(values_.begin() + static_cast<std::ptrdiff_t>(panel.at + static_cast<std::size_t>(c) * panel.stride),
-                  panel.stride, 0.0);
-    }
     double* to = values_.data() + panel.at;
+    std::fill_n(to, static_cast<std::size_t>(panel.columns) * panel.stride, 0.0);
+#pragma GCC unroll 4
     for (int v = begin_[k]; v < begin_[k + 1]; ++v) to[loads_[v].place] = values[loads_[v].source];
   }
 }
