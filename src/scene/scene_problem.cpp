@@ -81,7 +81,7 @@ class CompiledSceneOf : public CompiledScene {
   mpm::MovingMass movingMass(const Eigen::VectorXd& z, double p, const Eigen::VectorXd& slope) const override {
     const solver::Coordinates& coordinates = problem_->coordinates();
     solver::Coordinates::Place place;
-    coordinates.at(z, Eigen::VectorXd::Constant(1, p), nullptr, place);
+    if (rigid_) coordinates.at(z, Eigen::VectorXd::Constant(1, p), nullptr, place);  // else rates do not depend on it
     const Eigen::VectorXd rate = coordinates.push(place, slope, Eigen::VectorXd::Ones(1));
     Point3 axis = Point3::Zero();
     if (!scene_.ports.empty()) {

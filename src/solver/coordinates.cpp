@@ -227,7 +227,8 @@ HessianPullBack::HessianPullBack(std::shared_ptr<const Coordinates> coordinates,
   if (!coordinates_.groups_.empty()) buildTurned();
 }
 
-/// T^T H T. Most entries of H go to one place with factor 1; the rest is listed in mixed_.
+/// T^T H T. Most entries of H go to one place with factor 1; the rest is listed in mixed_, after an item without a
+/// source for each place that has none with factor 1. So the copy of most need not ask.
 void HessianPullBack::buildInner(const HessianLayout& layout) {
   struct Entry {
     int column, row, source;
@@ -266,8 +267,11 @@ void HessianPullBack::buildInner(const HessianLayout& layout) {
     if (fresh) {
       inner_.row.push_back(entry.row);
       ++inner_.start[entry.column + 1];
-      source_.push_back(entry.factor == 1.0 ? entry.source : -1);
-      if (entry.factor == 1.0) continue;
+      const bool whole = entry.factor == 1.0 && entry.source >= 0;
+      source_.push_back(whole ? entry.source : 0);
+      if (whole) continue;
+      mixed_.push_back({inner_.entries() - 1, -1, 0});  // begins at zero, whatever was copied there
+      if (entry.source < 0) continue;
     }
     mixed_.push_back({inner_.entries() - 1, entry.source, entry.factor});
   }
@@ -322,11 +326,25 @@ void HessianPullBack::buildTurned() {
   });
 }
 
+namespace {
+
+/// to[k] = from[number[k]]
+void gather(const std::vector<int>& number, const std::vector<double>& from, std::vector<double>& to) {
+  if (from.empty()) return std::fill(to.begin(), to.end(), 0.0);
+  const int *numbers = number.data(), count = static_cast<int>(number.size());
+  const double* source = from.data();
+  double* target = to.data();
+#pragma GCC unroll 8
+  for (int k = 0; k < count; ++k) target[k] = source[numbers[k]];
+}
+
+}  // namespace
+
 void HessianPullBack::apply(const std::vector<double>& full, const Coordinates::Place& at,
                             const Eigen::VectorXd& gradient, bool projected, std::vector<double>& values) const {
   values.resize(source_.size());
-  for (std::size_t k = 0; k < source_.size(); ++k) values[k] = source_[k] < 0 ? 0.0 : full[source_[k]];
-  for (const Mixed& m : mixed_) values[m.target] += m.factor * full[m.source];
+  gather(source_, full, values);
+  for (const Mixed& m : mixed_) values[m.target] = m.source < 0 ? 0 : values[m.target] + m.factor * full[m.source];
   if (coordinates_.groups_.empty()) return;
   std::vector<double> slope(slopes_, 1.0);
   for (std::size_t n = 0; n < coordinates_.groups_.size(); ++n) {

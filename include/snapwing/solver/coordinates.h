@@ -113,7 +113,7 @@ class HessianPullBack {
   std::shared_ptr<const Coordinates> shared_;
   const Coordinates& coordinates_;
   SparsePattern inner_, pattern_;
-  std::vector<int> source_;  ///< entry k is full[source_[k]] (0 if -1); mixed_ is added to it
+  std::vector<int> source_;  ///< entry k is full[source_[k]], or what mixed_ makes of it
   std::vector<Mixed> mixed_;
   std::vector<int> slope_of_group_;  ///< index of dE/ds in the flat list of slopes, whose first value is 1
   int slopes_ = 1;
