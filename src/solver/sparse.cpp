@@ -21,28 +21,81 @@ double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+namespace {
+
+/// What one column below the diagonal adds to a product with x, and its mirror.
+void multiplyColumn(const SparsePattern& pattern, int column, const double* values, const double* x, double* y) {
+  const int* row = pattern.row.data();
+  const double own = x[column];
+  const int end = pattern.start[column + 1];
+  int k = pattern.start[column];
+  double sum = values[k] * own;  // the diagonal comes first
+  // In pairs: neighbours have two coordinates each or more.
+  for (++k; k + 1 < end; k += 2) {
+    const int one = row[k], other = row[k + 1];
+    const double a = values[k], b = values[k + 1];
+    sum += a * x[one] + b * x[other];
+    y[one] += a * own;
+    y[other] += b * own;
+  }
+  if (k < end) {
+    y[row[k]] += values[k] * own;
+    sum += values[k] * x[row[k]];
+  }
+  y[column] += sum;
+}
+
+/// Whether a column and its neighbour have the same rows below both diagonals, as those of one node have.
+bool twins(const SparsePattern& pattern, int column) {
+  const int* start = pattern.start.data() + column;
+  const int *rows = pattern.row.data() + start[0] + 1, *others = pattern.row.data() + start[1] + 1;
+  const int count = start[2] - start[1] - 1;
+  if (start[1] - start[0] != count + 2 || rows[0] != column + 1) return false;
+  int different = 0;
+  for (int k = 0; k < count; ++k) different |= rows[k + 1] ^ others[k];
+  return different == 0;
+}
+
+/// A column and its twin at once, so that rows, x and y are read once for both. Each sum keeps the order, and the
+/// pairs, of multiplyColumn().
+void multiplyTwins(const SparsePattern& pattern, int column, const double* values, const double* x, double* y) {
+  const int first = pattern.start[column], second = pattern.start[column + 1];
+  const int count = pattern.start[column + 2] - second - 1;
+  const int* row = pattern.row.data() + second + 1;
+  const double *a = values + first + 2, *b = values + second + 1;
+  const double own = x[column], next = x[column + 1];
+  double sum = values[first] * own, twin_sum = values[second] * next;
+  double waiting = values[first + 1] * next;  // half of a pair, which the twin has not
+  y[column + 1] += values[first + 1] * own;
+  int k = 0;
+  for (; k + 1 < count; k += 2) {
+    const int one = row[k], other = row[k + 1];
+    sum += waiting + a[k] * x[one];
+    waiting = a[k + 1] * x[other];
+    twin_sum += b[k] * x[one] + b[k + 1] * x[other];
+    y[one] = (y[one] + a[k] * own) + b[k] * next;
+    y[other] = (y[other] + a[k + 1] * own) + b[k + 1] * next;
+  }
+  if (k < count) {
+    const int last = row[k];
+    waiting += a[k] * x[last];
+    twin_sum += b[k] * x[last];
+    y[last] = (y[last] + a[k] * own) + b[k] * next;
+  }
+  y[column] += sum + waiting;
+  y[column + 1] += twin_sum;
+}
+
+}  // namespace
+
 Eigen::VectorXd SparsePattern::multiply(const std::vector<double>& values, const Eigen::VectorXd& x) const {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(size);
-  const double* from = x.data();
-  double* to = y.data();
   for (int column = 0; column < size; ++column) {
-    const double own = from[column];
-    const int end = start[column + 1];
-    int k = start[column];
-    double sum = values[k] * own;  // the diagonal comes first
-    // In pairs: neighbours have two coordinates each or more.
-    for (++k; k + 1 < end; k += 2) {
-      const int one = row[k], other = row[k + 1];
-      const double a = values[k], b = values[k + 1];
-      sum += a * from[one] + b * from[other];
-      to[one] += a * own;
-      to[other] += b * own;
+    if (column + 1 < size && twins(*this, column)) {
+      multiplyTwins(*this, column++, values.data(), x.data(), y.data());
+    } else {
+      multiplyColumn(*this, column, values.data(), x.data(), y.data());
     }
-    if (k < end) {
-      to[row[k]] += values[k] * own;
-      sum += values[k] * from[row[k]];
-    }
-    to[column] += sum;
   }
   return y;
 }
