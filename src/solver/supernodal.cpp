@@ -75,7 +75,8 @@ SupernodalFactor::SupernodalFactor(const cholmod_factor_struct& analysis, const 
   const Panel& last = panels_.back();
   fillWithZeros(last.at + static_cast<std::size_t>(last.columns) * last.stride + LARGEST_TILE, values_);
   inverse_.resize(size_);
-  relative_.resize(longest);
+  for (const Panel& panel : panels_) addUpdates(panel);
+  update_begin_.push_back(static_cast<int>(updates_.size()));
   work_.resize(static_cast<std::size_t>(MOST_TOGETHER) * (longest + LANES));
   loads_.resize(matrix.row.size());
   for (std::size_t k = 0; k < place.size(); ++k) loads_[place[k]].source = static_cast<int>(k);
@@ -106,32 +107,47 @@ bool SupernodalFactor::eliminate(const Panel& panel) {
   return supernodal::eliminate(values_.data() + panel.at, panel.stride, panel.columns, inverse_.data() + panel.first);
 }
 
-/// Takes what a finished panel's rows below its diagonal block make of later columns from these.
-void SupernodalFactor::update(const Panel& panel) {
+/// Finds where a panel's rows lie in the later panels, once for all factors: a search at each took a seventh of the
+/// time of a planar arm's.
+void SupernodalFactor::addUpdates(const Panel& panel) {
+  update_begin_.push_back(static_cast<int>(updates_.size()));
   const int below = panel.below();
   const int* rows = rows_.data() + panel.row_at + panel.columns;
-  const double* lower = values_.data() + panel.at + panel.columns;
   for (int begin = 0, end = 0; begin < below; begin = end) {
-    const Panel& to = panels_[panel_of_[rows[begin]]];
-    const int beyond = to.first + to.columns;
-    while (end < below && rows[end] < beyond) ++end;
+    const int number = panel_of_[rows[begin]];
+    const Panel& to = panels_[number];
+    while (end < below && rows[end] < to.first + to.columns) ++end;
+    updates_.push_back({number, begin, end, relative_.size()});
     const int* to_rows = rows_.data() + to.row_at;
     for (int k = begin, i = 0; k < below; ++k) {
       while (to_rows[i] != rows[k]) ++i;
-      relative_[k] = i++;
+      relative_.push_back(i++);
     }
-    supernodal::subtract(
-        lower, panel.stride, panel.columns, begin, end, below,
-        {values_.data() + to.at, static_cast<std::size_t>(to.stride), rows, to.first, relative_.data()});
+  }
+}
+
+/// Takes what a finished panel's rows below its diagonal block make of later columns from these.
+void SupernodalFactor::update(int number) {
+  const Panel& panel = panels_[number];
+  const int* rows = rows_.data() + panel.row_at + panel.columns;
+  const double* lower = values_.data() + panel.at + panel.columns;
+  for (int u = update_begin_[number]; u < update_begin_[number + 1]; ++u) {
+    const Update& update = updates_[u];
+    const Panel& to = panels_[update.panel];
+    // The kernel counts rows from the diagonal block's end, the list from the update's first row.
+    const int* relative = relative_.data() + update.relative - update.begin;
+    supernodal::subtract(lower, panel.stride, panel.columns, update.begin, update.end, panel.below(),
+                         {values_.data() + to.at, static_cast<std::size_t>(to.stride), rows, to.first, relative});
   }
 }
 
 bool SupernodalFactor::factorize(const std::vector<double>& values) {
   rounded_now_ = false;
   load(values);
-  for (const Panel& panel : panels_) {
+  for (int number = 0; number < static_cast<int>(panels_.size()); ++number) {
+    const Panel& panel = panels_[number];
     if (!eliminate(panel)) return false;
-    update(panel);
+    update(number);
     if (!rounded_.empty()) round(panel);  // while it is in the caches
   }
   rounded_now_ = !rounded_.empty();

@@ -46,22 +46,31 @@ class SupernodalFactor {
     int source;      ///< its number as it is given
     unsigned place;  ///< in its panel
   };
+  /// What a panel takes from another one: its rows behind its diagonal block that are columns of that one.
+  struct Update {
+    int panel;             ///< the other one
+    int begin, end;        ///< of these rows, counted from the diagonal block's end
+    std::size_t relative;  ///< where the places of all rows from `begin` on, in the other one, are listed
+  };
   void addPanels(int first, int end, const int* rows, int count);
+  void addUpdates(const Panel& panel);
   void load(const std::vector<double>& values);
   bool eliminate(const Panel& panel);
-  void update(const Panel& panel);
+  void update(int number);
   void round(const Panel& panel) const;
   supernodal::Sweep sweep() const;
 
   int size_ = 0;
   std::vector<Panel> panels_;
-  std::vector<int> rows_;        ///< of all panels, ascending in each
-  std::vector<int> panel_of_;    ///< of each column
-  std::vector<Value> loads_;     ///< of the matrix, panel after panel
-  std::vector<int> begin_;       ///< of each panel's values of the matrix
-  std::vector<double> values_;   ///< of L, and room behind them that is read but not used
-  std::vector<double> inverse_;  ///< 1 / diagonal of L
-  std::vector<int> relative_;    ///< work space: a panel's rows in the panel that it is subtracted from
+  std::vector<int> rows_;          ///< of all panels, ascending in each
+  std::vector<int> panel_of_;      ///< of each column
+  std::vector<Value> loads_;       ///< of the matrix, panel after panel
+  std::vector<int> begin_;         ///< of each panel's values of the matrix
+  std::vector<double> values_;     ///< of L, and room behind them that is read but not used
+  std::vector<double> inverse_;    ///< 1 / diagonal of L
+  std::vector<Update> updates_;    ///< of all panels
+  std::vector<int> update_begin_;  ///< of each panel
+  std::vector<int> relative_;      ///< a panel's rows in the panels that it is subtracted from
   mutable std::vector<double> work_;
   mutable std::vector<float> rounded_;  ///< values_ for solveNear(); empty before the first one
   mutable bool rounded_now_ = false;    ///< they are those of this factor
