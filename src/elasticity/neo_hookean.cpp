@@ -169,6 +169,36 @@ bool NeoHookean<D>::densityDerivative(const Matrix<D>& f, const DensityInterpola
   return true;
 }
 
+/// P = mu F + g'(ln J) / J cof F.
+template <int D>
+void NeoHookean<D>::writeStress(TaylorTape& tape) const {
+  using Node = TaylorTape::Node;
+  std::vector<Node> cofactor;  // by columns, as F
+  std::vector<double> sign(D * D, 1.0);
+  if constexpr (D == 2) {
+    cofactor = {3, 2, 1, 0};
+    sign = {1, -1, -1, 1};
+  } else {
+    for (int j = 0; j < D; ++j) {
+      for (int i = 0; i < D; ++i) {
+        const int i1 = (i + 1) % D, i2 = (i + 2) % D, j1 = (j + 1) % D, j2 = (j + 2) % D;
+        cofactor.push_back(tape.sum({{1, i1 + D * j1, i2 + D * j2}, {-1, i1 + D * j2, i2 + D * j1}}));
+      }
+    }
+  }
+  std::vector<TaylorTape::Product> first_column;
+  for (int i = 0; i < D; ++i) first_column.push_back({sign[i], i, cofactor[i]});
+  const Node det = tape.sum(first_column);
+  std::vector<TaylorTape::Share> slope;  // g' + log_mu
+  if (plane_stress_ || moduli_.lambda != 0) {
+    const Node log = tape.log(det);
+    slope.push_back({moduli_.lambda, log});
+    if (plane_stress_) slope.push_back({moduli_.lambda, tape.exponentialRoot(moduli_.mu, moduli_.lambda, log)});
+  }
+  const Node pressure = tape.quotient(slope, -moduli_.log_mu, det);
+  for (int k = 0; k < D * D; ++k) tape.result({{sign[k], pressure, cofactor[k]}}, {{moduli_.mu, k}});
+}
+
 template class NeoHookean<2>;
 template class NeoHookean<3>;
 

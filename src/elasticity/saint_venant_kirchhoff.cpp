@@ -91,6 +91,28 @@ bool SaintVenantKirchhoff<D>::densityDerivative(const Matrix<D>& f, const Densit
   return true;
 }
 
+/// P = F S, S = lambda tr(G) I + 2 mu G, G = (F^T F - I) / 2.
+template <int D>
+void SaintVenantKirchhoff<D>::writeStress(TaylorTape& tape) const {
+  std::vector<TaylorTape::Product> trace;  // lambda/2 tr(F^T F)
+  for (int k = 0; k < D * D; ++k) trace.push_back({0.5 * lambda_, k, k});
+  TaylorTape::Node second[D][D];
+  for (int i = 0; i < D; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      std::vector<TaylorTape::Product> sum = i == j ? trace : std::vector<TaylorTape::Product>();
+      for (int k = 0; k < D; ++k) sum.push_back({mu_, k + D * i, k + D * j});
+      second[i][j] = second[j][i] = tape.sum(sum, {}, i == j ? -mu_ - 0.5 * D * lambda_ : 0.0);
+    }
+  }
+  for (int j = 0; j < D; ++j) {
+    for (int i = 0; i < D; ++i) {
+      std::vector<TaylorTape::Product> sum;
+      for (int k = 0; k < D; ++k) sum.push_back({1, i + D * k, second[k][j]});
+      tape.result(sum, {});
+    }
+  }
+}
+
 template class SaintVenantKirchhoff<2>;
 template class SaintVenantKirchhoff<3>;
 

@@ -19,6 +19,7 @@ class Weight : public solver::Term {
 
   std::string name() const override { return "weight"; }
   Role role() const override { return Role::LOAD; }
+  bool linearInStatics() const override { return true; }
   void evaluate(const solver::Point& at, solver::Order order, solver::Sum& sum) const override;
   void densityDerivative(const solver::Point& at, const Eigen::VectorXd* v, Eigen::VectorXd& by_cell) const override;
 

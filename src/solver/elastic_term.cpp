@@ -2,6 +2,8 @@
 
 #include <sstream>
 
+#include "snapwing/mpm/solid_series.h"
+
 namespace snapwing::solver {
 
 template <int D>
@@ -33,6 +35,35 @@ void ElasticTerm<D>::evaluate(const Point& at, Order order, Sum& sum) const {
     double* values = sum.hessian.data() + sum.region_place[region_];
     for (std::size_t k = 0; k < own.blocks.size(); ++k) values[k] += own.blocks[k];
   }
+}
+
+namespace {
+
+template <int D>
+class ElasticSeries : public ForceSeries {
+ public:
+  ElasticSeries(std::shared_ptr<const mpm::Discretisation<D>> solid, int first, int order)
+      : solid_(std::move(solid)), first_(first), series_(*solid_, order) {}
+  void start(const Eigen::VectorXd& y) override { series_.start(y.segment(first_, solid_->dofCount())); }
+  void advance(int k, const Eigen::VectorXd& y, Eigen::VectorXd& force) override {
+    own_.setZero(solid_->dofCount());
+    series_.advance(k, y.segment(first_, solid_->dofCount()), own_);
+    force.segment(first_, solid_->dofCount()) += own_;
+  }
+
+ private:
+  std::shared_ptr<const mpm::Discretisation<D>> solid_;
+  int first_;
+  mpm::SolidSeries<D> series_;
+  Eigen::VectorXd own_;
+};
+
+}  // namespace
+
+template <int D>
+std::unique_ptr<ForceSeries> ElasticTerm<D>::series(int order) const {
+  if (!mpm::SolidSeries<D>::possible(*solid_)) return nullptr;
+  return std::make_unique<ElasticSeries<D>>(solid_, first_, order);
 }
 
 template <int D>

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "conjugate_gradients.h"
-#include "snapwing/common/elementary.h"
 #include "snapwing/common/error.h"
+#include "unsymmetric_vector.h"
 
 namespace snapwing::solver {
 
@@ -15,13 +15,6 @@ namespace {
 
 constexpr int CORRECTOR_ITERATIONS = 15;
 constexpr int OUTER_ITERATIONS = 40;
-
-/// A vector with which no symmetry of a body agrees.
-Eigen::VectorXd unsymmetricVector(Eigen::Index size) {
-  Eigen::VectorXd v(size);
-  for (int k = 0; k < size; ++k) v(k) = common::sin(1.7 * k + 0.3);
-  return v;
-}
 
 NewtonResult finish(NewtonResult result, SolveStatus status, const std::string& message) {
   result.status = status;
@@ -391,6 +384,18 @@ bool EquilibriumSolver::recall(const Eigen::VectorXd& slope, int negative_pivots
   x.multiplier_slope.resize(0);
   x.negative_pivots = negative_pivots;
   x.stiffness = x.control_curvature + x.load.dot(slope);
+  return true;
+}
+
+double EquilibriumSolver::imbalance(const Equilibrium& x) const {
+  if (!x.at.finite) return std::numeric_limits<double>::infinity();
+  return x.at.residual.norm() / residualTolerance(*problem_, x.at, settings_);
+}
+
+bool EquilibriumSolver::settle(const Eigen::VectorXd& slope, Equilibrium& x) {
+  if (!recall(slope, 0, x)) return false;
+  // The least of a quadratic form: an error of the slope enters squared.
+  x.stiffness += x.load.dot(slope) + slope.dot(problem_->pattern().multiply(x.at.hessian, slope));
   return true;
 }
 

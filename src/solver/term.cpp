@@ -27,6 +27,8 @@ void Sum::addRankOne(int couple, double value, const Eigen::VectorXd& row) {
 void Term::controlTangent(const Point&, const Eigen::VectorXd&, const Eigen::VectorXd&, Eigen::VectorXd&,
                           Eigen::VectorXd&) const {}
 
+std::unique_ptr<ForceSeries> Term::series(int) const { return nullptr; }
+
 std::shared_ptr<const Memory> Term::keep(const Point&) const { return nullptr; }
 
 void Term::densityDerivative(const Point&, const Eigen::VectorXd*, Eigen::VectorXd&) const {}

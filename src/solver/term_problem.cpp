@@ -172,6 +172,45 @@ std::vector<NodeRotation> TermProblem::nodeRotations(const Evaluation& at) const
   return nodes;
 }
 
+namespace {
+
+/// Along linear coordinates, y = T z + B p + c.
+class TermSeries : public ResidualSeries {
+ public:
+  TermSeries(std::shared_ptr<const Coordinates> coordinates, std::vector<std::unique_ptr<ForceSeries>> terms)
+      : coordinates_(std::move(coordinates)), terms_(std::move(terms)) {}
+  void start(const Eigen::VectorXd& z, const Eigen::VectorXd& p) override {
+    const Eigen::VectorXd y = coordinates_->expand(z, p);
+    for (const auto& term : terms_) term->start(y);
+  }
+  Eigen::VectorXd advance(int k, const Eigen::VectorXd& z, const Eigen::VectorXd& p) override {
+    const Eigen::VectorXd y = coordinates_->linear().expandDirection(z, p);
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(y.size());
+    for (const auto& term : terms_) term->advance(k, y, force);
+    return coordinates_->linear().restrictToFree(force);
+  }
+
+ private:
+  std::shared_ptr<const Coordinates> coordinates_;
+  std::vector<std::unique_ptr<ForceSeries>> terms_;
+};
+
+}  // namespace
+
+std::unique_ptr<ResidualSeries> TermProblem::series(int order, std::string& why) const {
+  if (constraints_ != nullptr) why = "constraints kept as equations";
+  if (coordinates_->rotationCount() > 0) why = "a rigid body that turns";
+  std::vector<std::unique_ptr<ForceSeries>> terms;
+  for (const auto& term : parts_.terms) {
+    if (!why.empty()) break;
+    if (term->linearInStatics()) continue;
+    terms.push_back(term->series(order));
+    if (terms.back() == nullptr) why = "the term '" + term->name() + "'";
+  }
+  if (!why.empty()) return nullptr;
+  return std::make_unique<TermSeries>(coordinates_, std::move(terms));
+}
+
 void TermProblem::controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                                  Eigen::VectorXd& control_part) const {
   const Eigen::VectorXd dy = coordinates_->push(at.place, Eigen::VectorXd::Zero(freeCount()), dp);

@@ -34,6 +34,8 @@ void append(PathResult& whole, PathResult&& part) {
   whole.factorizations += part.factorizations;
   whole.projections += part.projections;
   whole.halvings += part.halvings;
+  whole.series += part.series;
+  if (whole.no_series.empty()) whole.no_series = part.no_series;
 }
 
 class AutomaticFollower {

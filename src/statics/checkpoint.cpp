@@ -10,7 +10,7 @@ namespace snapwing::statics {
 
 namespace {
 
-const std::string MAGIC = "snapwing checkpoint 4\n";
+const std::string MAGIC = "snapwing checkpoint 5\n";
 
 std::string program() { return common::programOf(&MAGIC); }
 
@@ -24,7 +24,7 @@ void put(BytesWriter& writer, const PathResult& run) {
   for (const PathPoint& p : run.points) {
     for (const double value :
          {p.control, p.energy, p.force, p.stiffness, p.min_det_f, 1.0 * p.stable, 1.0 * p.negative_pivots,
-          1.0 * p.iterations, 1.0 * p.factorizations, 1.0 * p.by_arc, 1.0 * p.restart}) {
+          1.0 * p.iterations, 1.0 * p.factorizations, 1.0 * p.by_arc, 1.0 * p.by_series, 1.0 * p.restart}) {
       writer.number(value);
     }
     put(writer, p.solution);
@@ -49,6 +49,7 @@ PathResult runFrom(BytesReader& reader) {
     run.iterations += p.iterations = reader.integer();
     run.factorizations += p.factorizations = reader.integer();
     p.by_arc = reader.integer() != 0;
+    p.by_series = reader.integer() != 0;
     p.restart = reader.integer() != 0;
     p.solution = vectorFrom(reader);
     p.slope = vectorFrom(reader);

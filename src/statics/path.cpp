@@ -10,6 +10,15 @@
 
 namespace snapwing::statics {
 
+namespace {
+
+constexpr int RESTART_EVERY = 10;         ///< targets
+constexpr std::size_t FACTOR_EVERY = 4;   ///< targets that a series covers
+constexpr std::size_t LEAST_COVERED = 5;  ///< targets for which a series pays
+constexpr double SERIES_RESIDUAL = 0.5;   ///< largest one at a series' end, over its tolerance
+
+}  // namespace
+
 PathPoint describePoint(const solver::Equilibrium& x, int iterations, int factorizations, bool keep_solution) {
   PathPoint point;
   point.control = x.p(0);
@@ -74,7 +83,10 @@ void PathFollower::passSingular(const solver::Equilibrium& next, solver::Equilib
 solver::NewtonResult PathFollower::arrive(solver::Equilibrium& next) {
   solver::NewtonResult result;
   result.status = solver::SolveStatus::CONVERGED;
+  on_series_ = settled_ = false;
   if (takeKnown(next)) return result;
+  if (settle(next, result)) return result;
+  factor_is_ahead_ = false;
   // An unstable branch is no minimum: there only Newton as it is stays on it.
   result = place_.negative_pivots > 0 ? solver_.correct(next) : solver_.minimise(next);
   if (result.converged()) {
@@ -86,6 +98,35 @@ solver::NewtonResult PathFollower::arrive(solver::Equilibrium& next) {
   result_.factorizations += result.factorizations;
   result_.projections += result.projections;
   return result;
+}
+
+/// Takes a point of the series: the one ahead as it is, another without a factor of its own.
+bool PathFollower::settle(solver::Equilibrium& next, solver::NewtonResult& result) {
+  const double p = next.p(0);
+  if (!ahead_is_stable_ || !series_->covers(p)) return false;
+  if (p == ahead_.p(0)) {
+    next = std::move(ahead_);
+    ahead_is_stable_ = false;
+    result.factorizations = 1;
+    result_.factorizations += 1;
+    return on_series_ = true;
+  }
+  on_series_ = settled_ = solver_.settle(series_->slopeAt(p), next);
+  return settled_;
+}
+
+/// The points that a series covers are stable if those are that have a factor, one in four and the last one: where the
+/// branch turned between them, the series would have a pole.
+void PathFollower::lookAhead(const std::vector<double>& targets, std::size_t next) {
+  if (!series_ || ahead_is_stable_ || !series_->covers(targets[next]) || place_.negative_pivots != 0) return;
+  std::size_t there = next;
+  while (there + 1 < targets.size() && there + 1 < next + FACTOR_EVERY && series_->covers(targets[there + 1])) ++there;
+  if (there == next) return;
+  ahead_ = solver_.start(series_->at(targets[there]), targets[there]);
+  solver_.evaluate(ahead_);
+  if (solver_.imbalance(ahead_) > 1) return;
+  solver_.linearise(ahead_);
+  ahead_is_stable_ = factor_is_ahead_ = ahead_.negative_pivots == 0;
 }
 
 /// The guess, made of this path's own points, must come to the known one by a hundredth of the step: another branch is
@@ -108,9 +149,12 @@ bool PathFollower::takeKnown(solver::Equilibrium& next) {
 /// step with its factor, or with the one of its guess, takes it away, for what follows and for the record.
 void PathFollower::refine(bool has_factor) {
   refined_ = place_.z;
+  if (settled_) return;  // nothing begins here
+  if (on_series_) has_factor = factor_is_ahead_;
   if (has_factor && solver_.constraintCount() == 0 && place_.negative_pivots == 0) {
     refined_ -= solver_.cholesky().solve(place_.at.residual);
   }
+  if (on_series_) return;  // no guess is made of it
   predictor_.add(place_.p(0), refined_, place_.slope);
 }
 
@@ -121,7 +165,7 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
     share = std::min(share, 1 - done);
     const double p = done + share >= 1 ? target : begin + (done + share) * whole;
     solver::Equilibrium next = solver_.predict(place_, p);
-    next.z = predictor_.guess(p);
+    next.z = series_ && series_->covers(p) ? series_->at(p) : predictor_.guess(p);
     last = arrive(next);
     if (last.converged() && settings_.refuse_jumps && jumped(next)) {
       last.status = solver::SolveStatus::JUMPED;
@@ -136,6 +180,7 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
       const bool left = onward.z.size() > 0;
       place_ = left ? std::move(onward) : std::move(next);
       if (left) predictor_.clear();
+      if (!on_series_) leaveSeries();
       refine(!changed && last.iterations + last.factorizations > 0);  // else it was known
       done = whole != 0 ? (place_.p(0) - begin) / whole : 1;
       if (!left && p == target) done = 1;
@@ -154,6 +199,7 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
 bool PathFollower::record(int point, int iterations, int factorizations, bool restart) {
   result_.points.push_back(describePoint(place_, iterations, factorizations, settings_.keep_solutions));
   result_.points.back().restart = restart;
+  result_.points.back().by_series = settled_;
   trail_.push_back(describePoint(place_, 0, 0, true));
   trail_.back().solution = refined_;
   if (settings_.keep_solutions) result_.points.back().solution = refined_;
@@ -191,8 +237,42 @@ bool PathFollower::begin(const Eigen::VectorXd& start, double control, solver::N
   return false;
 }
 
+/// A point that Newton found may be on another branch than the series.
+void PathFollower::leaveSeries() {
+  if (series_) since_restart_ = RESTART_EVERY;
+  series_.reset();
+  ahead_is_stable_ = false;
+}
+
+bool PathFollower::restartDue(double target) const {
+  return series_ ? !series_->covers(target) : since_restart_ >= RESTART_EVERY;
+}
+
+/// A series from the place, if it covers enough targets.
+void PathFollower::expand(const std::vector<double>& targets, std::size_t next) {
+  const std::size_t least = next + LEAST_COVERED - 1;
+  if (forces_ == nullptr || least >= targets.size() || place_.negative_pivots != 0) return;
+  if (settings_.known && settings_.known(targets[next]) != nullptr) return;
+  auto series = std::make_unique<BranchSeries>(*forces_, solver_, place_, targets[least]);
+  for (std::size_t last = least; series->covers(targets[last]); last = least) {
+    while (last + 1 < targets.size() && series->covers(targets[last + 1])) ++last;
+    solver::Equilibrium end = solver_.start(series->at(targets[last]), targets[last]);
+    solver_.evaluate(end, solver::Order::STRESS);
+    const double excess = solver_.imbalance(end);
+    if (excess <= SERIES_RESIDUAL) {
+      series_ = std::move(series);
+      ++result_.series;
+      return;
+    }
+    series->shorten(std::max(excess / SERIES_RESIDUAL, 2.0));
+  }
+}
+
 /// Forgets all that a run which is resumed here does not know.
 void PathFollower::restart() {
+  since_restart_ = 0;
+  series_.reset();
+  ahead_is_stable_ = false;
   if (refined_ != place_.z) {
     place_.z = refined_;
     solver_.evaluate(place_);
@@ -206,14 +286,24 @@ void PathFollower::restart() {
 }
 
 void PathFollower::followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last) {
-  constexpr std::size_t RESTART_EVERY = 10;
+  series_.reset();
+  since_restart_ = RESTART_EVERY;
+  if (settings_.series && solver_.constraintCount() == 0 && targets.size() - first >= LEAST_COVERED) {
+    forces_ = solver_.problem().series(BranchSeries::order(), result_.no_series);
+  }
   for (std::size_t k = first; k < targets.size(); ++k) {
-    if ((k - first) % RESTART_EVERY == 0) restart();
+    if (restartDue(targets[k])) {
+      restart();
+      expand(targets, k);
+    }
+    lookAhead(targets, k);
     const int before = result_.iterations, factorizations = result_.factorizations;
     if (!stepTo(targets[k], last)) return stopped(targets[k], last);
-    if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations,
-                (k - first) % RESTART_EVERY == RESTART_EVERY - 1))
+    ++since_restart_;
+    const bool restarts = k + 1 < targets.size() && restartDue(targets[k + 1]);
+    if (!record(static_cast<int>(k), result_.iterations - before, result_.factorizations - factorizations, restarts)) {
       return;
+    }
   }
 }
 

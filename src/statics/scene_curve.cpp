@@ -26,7 +26,7 @@ std::string SceneCurve::csv(const scene::Scene& scene) const {
   text.precision(12);
   text << (scene.control_is_length ? "displacement_m,force_N,stiffness_N_per_m"
                                    : "load_factor,work_per_factor_J,slope_J")
-       << ",energy_J,stable,negative_pivots,min_det_f,iterations,by_arc";
+       << ",energy_J,stable,negative_pivots,min_det_f,iterations,by_arc,by_series";
   for (const scene::SceneMonitor& m : scene.monitors) text << "," << csvField(m.name + (m.radius > 0 ? "_rad" : "_m"));
   if (!back.points.empty()) text << ",force_back_N";
   text << "\n";
@@ -34,7 +34,7 @@ std::string SceneCurve::csv(const scene::Scene& scene) const {
     const PathPoint& p = path.points[k];
     text << p.control << "," << multiplicity * p.force << "," << multiplicity * p.stiffness << ","
          << multiplicity * p.energy << "," << (p.stable ? 1 : 0) << "," << p.negative_pivots << "," << p.min_det_f
-         << "," << p.iterations << "," << (p.by_arc ? 1 : 0);
+         << "," << p.iterations << "," << (p.by_arc ? 1 : 0) << "," << (p.by_series ? 1 : 0);
     for (const double value : monitors[k]) text << "," << value;
     if (!back.points.empty()) {
       const auto same = std::find_if(back.points.begin(), back.points.end(), [&](const PathPoint& other) {
@@ -56,10 +56,11 @@ PathResult SceneCurve::costs() const {
       sum.status = run->status;
       sum.message = run->message;
     }
-    for (const auto count :
-         {&PathResult::iterations, &PathResult::factorizations, &PathResult::projections, &PathResult::halvings}) {
+    for (const auto count : {&PathResult::iterations, &PathResult::factorizations, &PathResult::projections,
+                             &PathResult::halvings, &PathResult::series}) {
       sum.*count += run->*count;
     }
+    if (sum.no_series.empty()) sum.no_series = run->no_series;
     for (const auto seconds : {&PathResult::seconds, &PathResult::seconds_assembly, &PathResult::seconds_factor,
                                &PathResult::seconds_solve, &PathResult::seconds_analysis}) {
       sum.*seconds += run->*seconds;
@@ -167,6 +168,8 @@ class SceneTracer {
   }
 
  private:
+  static constexpr std::size_t DENSE = 64;  ///< targets from which a series may cover enough of them
+
   bool twoRuns() const { return scene_.back || settings_.reverse; }
 
   void remember(const std::vector<PathPoint>& points) {
@@ -194,6 +197,7 @@ class SceneTracer {
     automatic.arc_on_failure = settings_.method != TraceMethod::DISPLACEMENT;
     automatic.largest_arc = settings_.largest_arc;
     automatic.path.newton = settings_.newton;
+    automatic.path.series = targets_.size() >= DENSE;
     automatic.path.perturbation = settings_.perturbation != 0 ? settings_.perturbation : scene_.perturbation;
     const auto outer = settings_.newton.cancelled;
     automatic.path.newton.cancelled = [this, outer] { return cancelled_ || (outer && outer()); };
@@ -232,6 +236,7 @@ class SceneTracer {
     after.factorizations += before.factorizations;
     after.projections += before.projections;
     after.halvings += before.halvings;
+    after.series += before.series;
     return std::move(after);
   }
 

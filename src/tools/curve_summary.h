@@ -23,6 +23,8 @@ nlohmann::json costsOf(const Result& result, const statics::LocatedFeatures& loc
   j["factorizations_of_features"] = located.factorizations;
   j["projections"] = result.projections;
   j["step_halvings"] = result.halvings;
+  j["series"] = result.series;
+  j["no_series"] = result.no_series;
   j["seconds"] = {{"total", result.seconds + located.seconds}, {"assembly", result.seconds_assembly},
                   {"factorization", result.seconds_factor},    {"solve", result.seconds_solve},
                   {"analysis", result.seconds_analysis},       {"features", located.seconds}};

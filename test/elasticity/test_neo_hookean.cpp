@@ -30,6 +30,8 @@ TEST(NeoHookean, DerivativesPlanar) { checkDerivatives<2>(variants<2>()); }
 TEST(NeoHookean, DerivativesVolumetric) { checkDerivatives<3>(variants<3>()); }
 TEST(NeoHookean, DensityDerivativesPlanar) { checkDensityDerivatives<2>(variants<2>()); }
 TEST(NeoHookean, DensityDerivativesVolumetric) { checkDensityDerivatives<3>(variants<3>()); }
+TEST(NeoHookean, SeriesPlanar) { checkSeries<2>(variants<2>()); }
+TEST(NeoHookean, SeriesVolumetric) { checkSeries<3>(variants<3>()); }
 TEST(NeoHookean, RotationPlanar) { checkRotation<2>(variants<2>()); }
 TEST(NeoHookean, RotationVolumetric) { checkRotation<3>(variants<3>()); }
 TEST(NeoHookean, ProjectionPlanar) { checkProjection<2>(variants<2>()); }

@@ -54,6 +54,7 @@ class TermBattery {
       SCOPED_TRACE(term_.name() + ", point " + std::to_string(k));
       derivatives(case_.y[k]);
       adding(case_.y[k]);
+      if (case_.step == nullptr) series(case_.y[k]);
     }
   }
 
@@ -103,6 +104,24 @@ class TermBattery {
         derivativeMatches([&](double h) { return at(y, p + h * dp, Order::STRESS).gradient; }, by_y, 1, case_.floor));
     EXPECT_TRUE(derivativeMatches([&](double h) { return at(y + h * d, p + h * dp, Order::STRESS).control; }, by_p,
                                   case_.scale, case_.floor));
+  }
+
+  /// The second coefficient of the gradient along y + t d: half the slope of the Hessian along d, times d.
+  void series(const Eigen::VectorXd& y) {
+    using solver::Order;
+    const Eigen::VectorXd d = direction(y.size(), case_.scale);
+    const auto slope = [&](double h) {
+      return Eigen::VectorXd(case_.layout.multiply(at(y + h * d, case_.p, Order::TANGENT).hessian, d));
+    };
+    if (term_.linearInStatics()) {
+      EXPECT_LE((slope(1) - slope(0)).norm(), 1e-12 * slope(0).norm());
+    }
+    const auto series = term_.series(3);
+    if (series == nullptr) return;
+    Eigen::VectorXd second = Eigen::VectorXd::Zero(y.size());
+    series->start(y);
+    series->advance(1, d, second);
+    EXPECT_TRUE(derivativeMatches(slope, 2 * second, 1, case_.floor));
   }
 
   /// Twice into one sum is twice as much.

@@ -5,6 +5,7 @@
 
 #include "snapwing/elasticity/density_interpolation.h"
 #include "snapwing/elasticity/point_lanes.h"
+#include "snapwing/elasticity/taylor_tape.h"
 
 namespace snapwing::elasticity {
 
@@ -82,6 +83,9 @@ class ConstitutiveModel {
   virtual bool inLanes(Order /*order*/) const { return false; }
   /// evaluatePrepared() for points side by side, with all that TANGENT asks for.
   virtual void evaluateLanes(const PointLanes<D>& /*points*/, ResponseLanes<D>& /*out*/) const {}
+  /// P of solid material as a function of F, both by columns: arguments and results of the tape. A cell's own stress is
+  /// stiffness * mix * P(I + mix H) and a part that is linear in H. Default: nothing, the law has no series.
+  virtual void writeStress(TaylorTape& /*tape*/) const {}
 };
 
 }  // namespace snapwing::elasticity

@@ -43,6 +43,7 @@ class NeoHookean : public ConstitutiveModel<D> {
                         Response<D>& out) const override;
   bool inLanes(Order order) const override { return order <= Order::TANGENT; }
   void evaluateLanes(const PointLanes<D>& points, ResponseLanes<D>& out) const override;
+  void writeStress(TaylorTape& tape) const override;
   bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
                          Matrix<D>& d_stress) const override;
 

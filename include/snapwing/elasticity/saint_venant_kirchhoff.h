@@ -23,6 +23,7 @@ class SaintVenantKirchhoff : public ConstitutiveModel<D> {
   DensityInterpolation::Value prepare(double density) const override { return interpolation_.at(density); }
   bool evaluatePrepared(const Matrix<D>& f, const DensityInterpolation::Value& cell, Order order,
                         Response<D>& out) const override;
+  void writeStress(TaylorTape& tape) const override;
   bool densityDerivative(const Matrix<D>& f, const DensityInterpolation::Value& cell, double& d_energy,
                          Matrix<D>& d_stress) const override;
 

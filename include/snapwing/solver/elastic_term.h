@@ -20,6 +20,7 @@ class ElasticTerm : public Term {
   Role role() const override { return Role::STORED; }
   int region() const override { return region_; }
   void evaluate(const Point& at, Order order, Sum& sum) const override;
+  std::unique_ptr<ForceSeries> series(int order) const override;
   void densityDerivative(const Point& at, const Eigen::VectorXd* v, Eigen::VectorXd& by_cell) const override;
   std::string describe(int cell) const override;
 

@@ -62,8 +62,8 @@ class EquilibriumSolver {
   NewtonResult correct(Equilibrium& x);
   /// As correct(), with the control free, on a plane.
   NewtonResult correctOn(const BranchPlane& plane, Equilibrium& x);
-  /// Evaluates `x.at` at the point as it is (order TANGENT).
-  void evaluate(Equilibrium& x) { evaluate(x, Order::TANGENT, x.at); }
+  /// Evaluates `x.at` at the point as it is.
+  void evaluate(Equilibrium& x, Order order = Order::TANGENT) { evaluate(x, order, x.at); }
   /// Factorises the tangent at a converged point: inertia of the pivots and derivatives along the branch.
   /// @return number of factorisations
   int linearise(Equilibrium& x);
@@ -79,6 +79,11 @@ class EquilibriumSolver {
   /// Evaluates a point that was linearised before and fills in its derivatives from the stored slope, without a factor.
   /// @return false if it is no equilibrium to the tolerance, or if there are constraints
   bool recall(const Eigen::VectorXd& slope, int negative_pivots, Equilibrium& x);
+  /// As recall(), at a point between two stable ones on one series: the stiffness is exact to the square of the slope's
+  /// error.
+  bool settle(const Eigen::VectorXd& slope, Equilibrium& x);
+  /// Residual over its tolerance at an evaluated point; infinite where an element is inverted.
+  double imbalance(const Equilibrium& x) const;
   /// First guess at the control p by the tangent of a linearised point.
   Equilibrium predict(const Equilibrium& from, double p) const;
   /// Eigenvalue of the Hessian that is smallest by magnitude [N/m], on admissible motions, at a linearised point.

@@ -14,6 +14,7 @@ class LoadTerm : public Term {
 
   std::string name() const override { return "loads"; }
   Role role() const override { return Role::LOAD; }
+  bool linearInStatics() const override { return true; }
   void evaluate(const Point& at, Order order, Sum& sum) const override;
   void controlTangent(const Point& at, const Eigen::VectorXd& dy, const Eigen::VectorXd& dp, Eigen::VectorXd& by_y,
                       Eigen::VectorXd& by_p) const override;

@@ -12,6 +12,7 @@
 #include "snapwing/common/loan.h"
 #include "snapwing/solver/constraints.h"
 #include "snapwing/solver/coordinates.h"
+#include "snapwing/solver/residual_series.h"
 #include "snapwing/solver/sparse.h"
 #include "snapwing/solver/term.h"
 
@@ -67,6 +68,11 @@ class Problem : public common::Lender {
                               Eigen::VectorXd& control_part) const = 0;
   /// Rotations of the solids' nodes at an evaluation: a factor made elsewhere can be turned by them (Newton).
   virtual std::vector<NodeRotation> nodeRotations(const Evaluation& /*at*/) const { return {}; }
+  /// Power series of the residual up to an order; null if it has none, and `why` then says what lacks one.
+  virtual std::unique_ptr<ResidualSeries> series(int /*order*/, std::string& why) const {
+    why = "the problem";
+    return nullptr;
+  }
   /// Absolute tolerance of the residual [N].
   virtual double forceFloor() const = 0;
   /// Changes of the energy below this count as rounding in the line search [J]; 0: only 1e-10 of the energies.

@@ -43,6 +43,7 @@ class RowSpring : public RowTerm {
  public:
   /// @param stiffness  [N/m] >= 0. @throws common::Error
   RowSpring(std::string name, Row row, double stiffness);
+  bool linearInStatics() const override { return true; }
   void evaluate(const Point& at, Order order, Sum& sum) const override;
 
  private:

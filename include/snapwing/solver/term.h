@@ -16,6 +16,7 @@
 #include "snapwing/elasticity/constitutive_model.h"
 #include "snapwing/mpm/discretisation.h"
 #include "snapwing/solver/hessian_layout.h"
+#include "snapwing/solver/residual_series.h"
 
 namespace snapwing::solver {
 
@@ -100,6 +101,11 @@ class Term {
   /// Default: the term depends on no control. @param dy  (full x 1) [m]; @param dp  (controls x 1)
   virtual void controlTangent(const Point& at, const Eigen::VectorXd& dy, const Eigen::VectorXd& dp,
                               Eigen::VectorXd& by_y, Eigen::VectorXd& by_p) const;
+  /// Whether dE/dy is affine in y and p in statics: its power series have no remainders. Default: what acts in motion
+  /// alone.
+  virtual bool linearInStatics() const { return role() == Role::INERTIA || role() == Role::DISSIPATION; }
+  /// Power series of dE/dy in statics, up to an order. Null: none, or not needed.
+  virtual std::unique_ptr<ForceSeries> series(int order) const;
   /// Data to store at a step's start, called once per step and returned as Point::kept. Null: nothing.
   virtual std::shared_ptr<const Memory> keep(const Point& start) const;
   /// Adds d(dE/dy . v)/d(density) of each cell [J], or dE/d(density) if v is null. Default: the term has no density.

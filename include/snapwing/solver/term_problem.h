@@ -56,6 +56,7 @@ class TermProblem : public Problem {
   void controlTangent(const Evaluation& at, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
                       Eigen::VectorXd& control_part) const override;
   std::vector<NodeRotation> nodeRotations(const Evaluation& at) const override;
+  std::unique_ptr<ResidualSeries> series(int order, std::string& why) const override;
   double forceFloor() const override { return parts_.force_floor; }
   double energyFloor() const override { return parts_.energy_floor; }
   std::string describeCell(int cell) const override;

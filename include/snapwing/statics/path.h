@@ -3,10 +3,12 @@
 /// the parameter of a line of controls, takes given values one after the other.
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "snapwing/solver/equilibrium.h"
+#include "snapwing/statics/branch_series.h"
 #include "snapwing/statics/predictor.h"
 #include "snapwing/statics/singular.h"
 
@@ -26,6 +28,7 @@ struct PathSettings {
   /// A stable equilibrium that another run found at exactly this control, or null. It becomes the next point if the
   /// guess of this path is near it: the way back reuses the solutions of the way there.
   std::function<const struct PathPoint*(double control)> known;
+  bool series = false;          ///< power series where they cover several targets (BranchSeries)
   bool locate_singular = true;  ///< where the number of negative pivots changes
   /// [m] At a bifurcation of a stable branch the path continues on the other branch, starting with this largest entry
   /// of the motion along the mode; 0: it stays on the primary branch.
@@ -44,6 +47,7 @@ struct PathPoint {
   int factorizations = 0;       ///< likewise
   bool restart = false;         ///< restart point: the next points depend on this and the recorded ones only
   bool by_arc = false;          ///< found by arc length, not at a target
+  bool by_series = false;       ///< between two stable points on one series, without a factor of its own
   Eigen::VectorXd solution;     ///< z [m]; empty without keep_solutions, as the next two
   Eigen::VectorXd slope;        ///< dz/dp along the path
   Eigen::VectorXd multipliers;  ///< of kept constraints [N]
@@ -56,6 +60,8 @@ struct PathResult {
   std::vector<SingularPoint> singular;  ///< singular points located
   std::vector<std::string> account;     ///< changes of method and failed attempts, in words
   int iterations = 0, factorizations = 0, projections = 0, halvings = 0;
+  int series = 0;         ///< power series that served
+  std::string no_series;  ///< what has none, if something
   double seconds = 0, seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_analysis = 0;  ///< wall [s]
 };
 
@@ -72,7 +78,8 @@ class PathFollower {
   /// @param start     first guess of the equilibrium at targets[0], (free x 1) [m]
   /// @param targets   control values in the order of the path, at least one. @throws common::Error for none
   PathResult follow(const Eigen::VectorXd& start, const std::vector<double>& targets);
-  /// Continues from a linearised point, which is not recorded again. It and every tenth target are restart points.
+  /// Continues from a linearised point, which is not recorded again. It is a restart point, and so is every tenth
+  /// target after one, or the last one that a series covers.
   /// @param trail  recorded points up to the start, in their order, for the predictor
   PathResult followFrom(const solver::Equilibrium& start, const std::vector<double>& targets,
                         const std::vector<PathPoint>& trail = {});
@@ -86,7 +93,12 @@ class PathFollower {
   void followTargets(const std::vector<double>& targets, std::size_t first, solver::NewtonResult& last);
   bool record(int point, int iterations, int factorizations, bool restart);
   void stopped(double target, const solver::NewtonResult& last);
+  bool restartDue(double target) const;
+  void leaveSeries();
   void restart();
+  void expand(const std::vector<double>& targets, std::size_t next);
+  bool settle(solver::Equilibrium& next, solver::NewtonResult& result);
+  void lookAhead(const std::vector<double>& targets, std::size_t next);
   bool stepTo(double target, solver::NewtonResult& last);
   solver::NewtonResult arrive(solver::Equilibrium& next);
   bool takeKnown(solver::Equilibrium& next);
@@ -98,6 +110,14 @@ class PathFollower {
   PathSettings settings_;
   solver::EquilibriumSolver solver_;
   Predictor predictor_;
+  std::unique_ptr<solver::ResidualSeries> forces_;  ///< of the problem; null: none, or not wanted
+  std::unique_ptr<BranchSeries> series_;            ///< from the last restart on; null: none
+  solver::Equilibrium ahead_;                       ///< on series_, linearised and stable; only where ahead_is_stable_
+  bool ahead_is_stable_ = false;
+  bool factor_is_ahead_ = false;  ///< the solver's, of ahead_ or of the place that it became
+  bool on_series_ = false;        ///< the place
+  bool settled_ = false;          ///< and without a factor of its own
+  int since_restart_ = 0;         ///< targets
   std::vector<PathPoint> trail_;  ///< the last recorded points: the only history of a resumed run
   solver::Equilibrium place_;
   Eigen::VectorXd refined_;  ///< solution at the place, more accurate than the tolerance requires

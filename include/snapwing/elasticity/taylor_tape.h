@@ -1,0 +1,72 @@
+#pragma once
+/// Taylor arithmetic: a function is written down once, as operations on a tape. Along any path of its arguments,
+/// x(t) = sum x_k t^k, the tape then finds the coefficients of the function, order by order [Griewank, Walther 2008,
+/// ch. 13]. Several points are worked on side by side.
+///
+/// A coefficient of order k depends linearly on the arguments' own of that order, and on lower ones. Where those of
+/// order k are not known before the function's are (a series of equilibria), they come in two parts: remainder(), with
+/// x_k = 0, and complete(), which adds what x_k changes.
+
+#include <vector>
+
+#include "snapwing/elasticity/point_lanes.h"
+
+namespace snapwing::elasticity {
+
+class TaylorTape {
+ public:
+  using Node = int;
+  struct Share {
+    double factor;
+    Node node;
+  };
+  struct Product {
+    double factor;
+    Node left, right;
+  };
+
+  /// @param inputs  number of arguments: nodes 0 .. inputs - 1
+  explicit TaylorTape(int inputs);
+
+  /// Each adds an operation on earlier nodes and returns the node of its result.
+  /// constant + sum of products + sum of shares.
+  Node sum(const std::vector<Product>& products, const std::vector<Share>& shares = {}, double constant = 0);
+  /// (constant + sum of shares) / denominator
+  Node quotient(const std::vector<Share>& numerator, double constant, Node denominator);
+  Node log(Node argument);
+  /// The root r of a (e^2r - 1) + b (argument + r) = 0, a > 0, b >= 0.
+  Node exponentialRoot(double a, double b, Node argument);
+  /// A result of the function: a sum whose lower coefficients nothing asks for.
+  void result(const std::vector<Product>& products, const std::vector<Share>& shares);
+
+  int inputs() const { return inputs_; }
+  int results() const { return static_cast<int>(results_.size()); }
+  int nodes() const { return nodes_; }  ///< numbers that each order of a point has
+  bool empty() const { return results_.empty(); }
+
+  /// Values of order 0 of all nodes, and the results.
+  /// @param state  [order][node], its inputs given
+  void start(Lanes* state, Lanes* results) const;
+  /// Coefficients of an order >= 1 with zero inputs; lower ones are complete.
+  void remainder(int order, Lanes* state, Lanes* results) const;
+  /// Adds what the inputs of this order change. @param change  work space, (nodes), its inputs given
+  void complete(int order, Lanes* state, Lanes* change) const;
+
+ private:
+  enum class Kind { SUM, QUOTIENT, LOG, ROOT };
+  struct Operation {
+    Kind kind;
+    Node to;                             ///< a root is followed by its exponential
+    Node of = 0;                         ///< argument, or denominator
+    double a = 0, b = 0;                 ///< of a root; a: constant of a sum or numerator
+    std::vector<Product> products = {};  ///< of a sum
+    std::vector<Share> shares = {};      ///< of a sum or numerator
+  };
+  struct Run;
+  void add(Operation operation);
+
+  int inputs_, nodes_;
+  std::vector<Operation> operations_, results_;
+};
+
+}  // namespace snapwing::elasticity

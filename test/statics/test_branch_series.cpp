@@ -1,0 +1,147 @@
+// Paths along power series against the same paths point by point.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "snapwing/scene/scene_problem.h"
+#include "snapwing/statics/automatic.h"
+#include "snapwing/statics/branch_series.h"
+#include "snapwing/statics/checkpoint.h"
+#include "snapwing/statics/scene_curve.h"
+#include "support/paths.h"
+
+namespace snapwing::statics {
+namespace {
+
+scene::Scene beam(scene::SceneKernel kernel, double cell_size, int steps) {
+  scene::Scene scene = scene::loadScene(test::sourceDir() + "/config/scenes/snap_beam.yaml");
+  scene.kernel = kernel;
+  scene.cell_size = cell_size;
+  scene.steps = steps;
+  return scene;
+}
+
+PathResult follow(const scene::Scene& scene, bool series, double tolerance = 1e-9) {
+  const auto compiled = scene::compileScene(scene, 1);
+  AutomaticSettings settings;
+  settings.path.series = series;
+  settings.path.newton.relative_tolerance = tolerance;
+  std::vector<double> targets;
+  for (int k = 0; k <= scene.steps; ++k) targets.push_back(scene.to * k / scene.steps);
+  return followAutomatically(compiled->problem(), Eigen::VectorXd::Zero(compiled->problem().freeCount()), targets,
+                             settings);
+}
+
+int count(const PathResult& path, bool PathPoint::*of) {
+  return static_cast<int>(
+      std::count_if(path.points.begin(), path.points.end(), [&](const PathPoint& p) { return p.*of; }));
+}
+
+/// Every point is the equilibrium that Newton finds alone, to a thousand times less than its tolerance there.
+void expectSame(const PathResult& one, const PathResult& other) {
+  ASSERT_EQ(one.status, solver::SolveStatus::CONVERGED) << one.message;
+  ASSERT_EQ(one.points.size(), other.points.size());
+  double force = 0, stiffness = 0;
+  for (const PathPoint& p : other.points) {
+    force = std::max(force, std::abs(p.force));
+    stiffness = std::max(stiffness, std::abs(p.stiffness));
+  }
+  for (std::size_t k = 0; k < one.points.size(); ++k) {
+    const PathPoint &a = one.points[k], &b = other.points[k];
+    EXPECT_NEAR(a.force, b.force, 1e-8 * force) << k;
+    EXPECT_NEAR(a.stiffness, b.stiffness, 1e-7 * stiffness) << k;
+    EXPECT_LT((a.solution - b.solution).norm(), 1e-8 * b.solution.norm() + 1e-15) << k;
+    EXPECT_LT((a.slope - b.slope).norm(), 1e-5 * b.slope.norm()) << k;
+    EXPECT_EQ(a.negative_pivots, b.negative_pivots) << k;
+  }
+}
+
+TEST(BranchSeries, FollowsTheBeamOfEveryKernel) {
+  for (const auto kernel :
+       {scene::SceneKernel::LINEAR, scene::SceneKernel::LINEAR_REDUCED, scene::SceneKernel::QUADRATIC}) {
+    const scene::Scene scene = beam(kernel, 8e-4, 120);
+    const PathResult series = follow(scene, true), plain = follow(scene, false, 1e-12);
+    expectSame(series, plain);
+    EXPECT_GE(series.series, 2);
+    EXPECT_GT(count(series, &PathPoint::by_series), 40);
+    EXPECT_EQ(plain.series, 0);
+    EXPECT_EQ(count(plain, &PathPoint::by_series), 0);
+    EXPECT_LT(series.factorizations, 0.75 * plain.factorizations);
+  }
+}
+
+/// What is told as stable without a factor has one that is positive definite.
+TEST(BranchSeries, WhatItCallsStableIs) {
+  const scene::Scene scene = beam(scene::SceneKernel::LINEAR_REDUCED, 8e-4, 120);
+  const PathResult path = follow(scene, true);
+  const auto compiled = scene::compileScene(scene, 1);
+  solver::EquilibriumSolver solver(compiled->problem(), {});
+  for (const PathPoint& p : path.points) {
+    if (!p.by_series) continue;
+    EXPECT_TRUE(p.stable);
+    solver::Equilibrium x = solver.start(p.solution, p.control);
+    solver.evaluate(x);
+    EXPECT_LE(solver.imbalance(x), 1) << p.control;
+    solver.linearise(x);
+    EXPECT_EQ(x.negative_pivots, 0) << p.control;
+    EXPECT_NEAR(x.stiffness, p.stiffness, 1e-9 * std::abs(x.stiffness) + 1e-9) << p.control;
+  }
+}
+
+/// The perfect beam's own branch is smooth where it turns unstable: the series does not see it, the factors do.
+TEST(BranchSeries, DoesNotPassABifurcationUnseen) {
+  scene::Scene scene = beam(scene::SceneKernel::QUADRATIC, 8e-4, 60);
+  scene::Box half;
+  half.low(0) = 0;
+  half.high(0) = 0.04;
+  scene.bodies[0].material = {5.5e6, 0, 0};
+  scene.bodies[0].shape = mpm::makeIntersection({mpm::makeCosineBeam(0.08, {0.0048, 0}, 1.6e-3), mpm::makeBox(half)});
+  scene.to = 0.5 * 0.0096;
+  const PathResult series = follow(scene, true), plain = follow(scene, false, 1e-12);
+  expectSame(series, plain);
+  EXPECT_GE(series.series, 1);
+  ASSERT_EQ(plain.singular.size(), 1u);
+  ASSERT_EQ(series.singular.size(), 1u);
+  EXPECT_EQ(series.singular[0].kind, SingularKind::BIFURCATION);
+  EXPECT_NEAR(series.singular[0].point.p(0), plain.singular[0].point.p(0), 1e-6 * scene.to);
+}
+
+TEST(BranchSeries, AResumedRunHasTheSameBits) {
+  const scene::Scene scene = beam(scene::SceneKernel::LINEAR_REDUCED, 8e-4, 120);
+  const auto compiled = scene::compileScene(scene, 1);
+  const std::string file = ::testing::TempDir() + "snapwing_series.checkpoint", hash = traceHash(scene, "");
+  TraceSettings settings;
+  const SceneCurve whole = traceScene(scene, *compiled, settings, {});
+  ASSERT_GE(whole.path.series, 2);
+  settings.reached = [&](const SceneCurve& sofar) { saveCheckpoint(sofar, hash, file); };
+  for (const double stop : {4e-3, 9e-3, 14e-3}) {
+    settings.resume = nullptr;
+    const SceneCurve part = traceScene(scene, *compiled, settings, [&](double, double p) { return p > stop; });
+    ASSERT_EQ(part.path.status, solver::SolveStatus::CANCELLED);
+    const SceneCurve known = loadCheckpoint(file, hash);
+    settings.resume = &known;
+    const SceneCurve rest = traceScene(scene, *scene::compileScene(scene, 1), settings, {});
+    EXPECT_EQ(rest.csv(scene), whole.csv(scene)) << stop;
+    ASSERT_EQ(rest.path.points.size(), whole.path.points.size());
+    for (std::size_t k = 0; k < whole.path.points.size(); ++k) {
+      EXPECT_TRUE(rest.path.points[k].solution == whole.path.points[k].solution) << k;
+    }
+  }
+}
+
+/// Few targets within its reach: not worth one.
+TEST(BranchSeries, ServesOnlyWhereItPays) {
+  EXPECT_EQ(follow(beam(scene::SceneKernel::LINEAR_REDUCED, 8e-4, 14), true).series, 0);
+}
+
+TEST(BranchSeries, WhatHasNoneIsNamed) {
+  scene::Scene latch = scene::loadScene(test::sourceDir() + "/config/scenes/bistable_latch.yaml");
+  latch.steps = 20;
+  const PathResult path = follow(latch, true);
+  EXPECT_EQ(path.series, 0);
+  EXPECT_FALSE(path.no_series.empty());
+}
+
+}  // namespace
+}  // namespace snapwing::statics
