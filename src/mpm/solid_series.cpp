@@ -111,8 +111,6 @@ SolidSeries<D>::SolidSeries(const Discretisation<D>& solid, int order) : solid_(
     if (!linear(solid, solid.cell(c))) by_kind[solid.cell(c).kind].push_back(c);
   }
   for (const auto& [kind, cells] : by_kind) addBatches(cells);
-  // Not set to zero: a series that ends early leaves most pages untouched.
-  states_ = std::unique_ptr<Lanes[]>(new Lanes[size_]);
 }
 
 template <int D>
@@ -161,6 +159,8 @@ void SolidSeries<D>::gather(const Batch& batch, const Eigen::VectorXd& u, Scratc
 
 template <int D>
 void SolidSeries<D>::start(const Eigen::VectorXd& u) {
+  // Not set to zero: a series that ends early leaves most pages untouched.
+  if (states_ == nullptr) states_.reset(new Lanes[size_]);
   Scratch scratch(solid_.stencil(), 0);
   for (const Batch& batch : batches_) {
     gather(batch, u, scratch);

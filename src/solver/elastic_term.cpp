@@ -45,6 +45,7 @@ class ElasticSeries : public ForceSeries {
   ElasticSeries(std::shared_ptr<const mpm::Discretisation<D>> solid, int first, int order)
       : solid_(std::move(solid)), first_(first), series_(*solid_, order) {}
   void start(const Eigen::VectorXd& y) override { series_.start(y.segment(first_, solid_->dofCount())); }
+  double bytes() const { return series_.bytes(); }
   void advance(int k, const Eigen::VectorXd& y, Eigen::VectorXd& force) override {
     own_.setZero(solid_->dofCount());
     series_.advance(k, y.segment(first_, solid_->dofCount()), own_);
@@ -62,8 +63,11 @@ class ElasticSeries : public ForceSeries {
 
 template <int D>
 std::unique_ptr<ForceSeries> ElasticTerm<D>::series(int order) const {
+  constexpr double LARGEST = 2e9;  // [bytes] that a user will not miss
   if (!mpm::SolidSeries<D>::possible(*solid_)) return nullptr;
-  return std::make_unique<ElasticSeries<D>>(solid_, first_, order);
+  auto series = std::make_unique<ElasticSeries<D>>(solid_, first_, order);
+  if (series->bytes() > LARGEST) return nullptr;
+  return series;
 }
 
 template <int D>

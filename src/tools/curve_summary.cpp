@@ -224,8 +224,9 @@ std::string curveAnswer(const json& summary, const std::vector<std::string>& fil
   }
   if (summary.contains("seconds")) {
     lines += print("  cost       %.3g s, %.0f factorizations", number(summary["seconds"], "total"),
-                   number(summary, "factorizations")) +
-             "\n";
+                   number(summary, "factorizations"));
+    const double series = summary.contains("series") ? number(summary, "series") : 0;
+    lines += (series > 0 ? print(", %.0f power series", series) : "") + "\n";
   }
   for (const std::string& file : files) lines += "  wrote      " + file + "\n";
   return common::shownBytes(lines);

@@ -26,7 +26,7 @@ class SolidSeries {
   /// Takes coefficient k of the path, k = 1, 2 .. order - 1 one after the other, and adds r_(k + 1) to `force`.
   /// @param u  [m], at least (dofCount x 1); @param force  [N], as long
   void advance(int k, const Eigen::VectorXd& u, Eigen::VectorXd& force);
-  /// Memory of the coefficients [bytes].
+  /// Memory of the coefficients [bytes], taken by the first start().
   double bytes() const;
 
  private:
