@@ -4,6 +4,7 @@
 #include <random>
 
 #include "law_battery.h"
+#include "law_series.h"
 #include "snapwing/common/error.h"
 #include "snapwing/elasticity/neo_hookean.h"
 

@@ -1,4 +1,5 @@
 #include "law_battery.h"
+#include "law_series.h"
 #include "snapwing/common/error.h"
 #include "snapwing/elasticity/saint_venant_kirchhoff.h"
 
@@ -18,6 +19,8 @@ Laws<D> variants() {
 TEST(SaintVenantKirchhoff, GoesThroughTheBattery) {
   checkLaws<2>(variants<2>());
   checkLaws<3>(variants<3>());
+  checkSeries<2>(variants<2>());
+  checkSeries<3>(variants<3>());
 }
 
 /// A bar pulled to l times its length in plane stress, free to the sides: P = E (l^3 - l) / 2.
