@@ -1,7 +1,7 @@
 #include "snapwing/elasticity/taylor_tape.h"
 
+#include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "neo_hookean_point.h"
 #include "snapwing/common/elementary.h"
@@ -20,7 +20,9 @@ static_assert(sizeof(Wide) == sizeof(Lanes));
 /// The coefficients of one point's nodes.
 class State {
  public:
-  State(Lanes* values, int nodes) : values_(reinterpret_cast<Wide*>(values)), nodes_(nodes) {}
+  State(Lanes* state, std::size_t inverses, int nodes)
+      : inverses_(reinterpret_cast<Wide*>(state)), values_(inverses_ + inverses), nodes_(nodes) {}
+  SNAPWING_INLINE Wide& inverse(int place) const { return inverses_[place]; }
   SNAPWING_INLINE Wide& at(int order, TaylorTape::Node node) const {
     return values_[static_cast<std::ptrdiff_t>(order) * nodes_ + node];
   }
@@ -45,11 +47,13 @@ class State {
   /// sum += first x_first y_(order - first) + ... + last x_last y_(order - last): of a derivative x'
   SNAPWING_INLINE void convolveSlope(int order, int first, int last, TaylorTape::Node x, TaylorTape::Node y,
                                      Wide& sum) const {
-    for (int n = first; n <= last; ++n) sum += static_cast<double>(n) * (at(n, x) * at(order - n, y));
+    const Wide *left = &at(first, x), *right = &at(order - first, y);
+    double weight = first;
+    for (int n = first; n <= last; ++n, left += nodes_, right -= nodes_, weight += 1) sum += weight * (*left * *right);
   }
 
  private:
-  Wide* values_;
+  Wide *inverses_, *values_;
   int nodes_;
 };
 
@@ -85,7 +89,7 @@ struct TaylorTape::Run {
     s.convolveSlope(order, 1, order - 1, op.to, op.to + 1, lower);
     lower *= 2.0 / order;
     const Wide exponential = s.at(0, op.to + 1);
-    s.at(order, op.to) = -(op.b * s.at(order, op.of) + op.a * lower) / (2 * op.a * exponential + op.b);
+    s.at(order, op.to) = -(op.b * s.at(order, op.of) + op.a * lower) * s.inverse(op.inverse);
     s.at(order, op.to + 1) = 2.0 * s.at(order, op.to) * exponential + lower;
   }
   static SNAPWING_INLINE void apply(const Operation& op, int order, const State& s) {
@@ -97,11 +101,11 @@ struct TaylorTape::Run {
       case Kind::QUOTIENT:
         sum(op, order, s, to);
         s.convolve(order, 0, order - 1, op.to, op.of, lower);
-        to = (to - lower) / s.at(0, op.of);
+        to = (to - lower) * s.inverse(op.inverse);
         return;
       case Kind::LOG:
         s.convolveSlope(order, 1, order - 1, op.to, op.of, lower);
-        to = (s.at(order, op.of) - lower * (1.0 / order)) / s.at(0, op.of);
+        to = (s.at(order, op.of) - lower * (1.0 / order)) * s.inverse(op.inverse);
         return;
       case Kind::ROOT:
         return root(op, order, s);
@@ -118,26 +122,22 @@ struct TaylorTape::Run {
         d[op.to] = value;
         return;
       case Kind::QUOTIENT:
-        d[op.to] = (value - s.at(0, op.to) * d[op.of]) / s.at(0, op.of);
+        d[op.to] = (value - s.at(0, op.to) * d[op.of]) * s.inverse(op.inverse);
         return;
       case Kind::LOG:
-        d[op.to] = d[op.of] / s.at(0, op.of);
+        d[op.to] = d[op.of] * s.inverse(op.inverse);
         return;
       case Kind::ROOT:
-        value = s.at(0, op.to + 1);
-        d[op.to] = -(op.b * d[op.of]) / (2 * op.a * value + op.b);
-        d[op.to + 1] = 2.0 * d[op.to] * value;
+        d[op.to] = -(op.b * d[op.of]) * s.inverse(op.inverse);
+        d[op.to + 1] = 2.0 * d[op.to] * s.at(0, op.to + 1);
         return;
     }
   }
 
-  SNAPWING_WIDE static void remainder(const Operation* ops, std::size_t count, int order, Lanes* state, int nodes) {
-    const State s(state, nodes);
+  SNAPWING_WIDE static void remainder(const Operation* ops, std::size_t count, int order, const State& s) {
     for (std::size_t k = 0; k < count; ++k) apply(ops[k], order, s);
   }
-  SNAPWING_WIDE static void results(const Operation* ops, std::size_t count, int order, Lanes* state, int nodes,
-                                    Lanes* to) {
-    const State s(state, nodes);
+  SNAPWING_WIDE static void results(const Operation* ops, std::size_t count, int order, const State& s, Lanes* to) {
     Wide* all = reinterpret_cast<Wide*>(to);
     std::size_t k = 0;
     for (; k + 2 <= count; k += 2) {
@@ -146,9 +146,8 @@ struct TaylorTape::Run {
     }
     for (; k < count; ++k) sum(ops[k], order, s, all[k]);
   }
-  SNAPWING_WIDE static void complete(const Operation* ops, std::size_t count, int order, Lanes* state, int nodes,
+  SNAPWING_WIDE static void complete(const Operation* ops, std::size_t count, int order, const State& s, int nodes,
                                      Lanes* change_of) {
-    const State s(state, nodes);
     Wide* d = reinterpret_cast<Wide*>(change_of);
     for (std::size_t k = 0; k < count; ++k) change(ops[k], s, d);
     for (int n = 0; n < nodes; ++n) s.at(order, n) += d[n];
@@ -168,57 +167,69 @@ struct TaylorTape::Run {
       s[op.to + 1].at[l] = root.grown + 1;
     }
   }
+  static void invert(const Operation& op, const State& s) {
+    const Wide denominator = op.kind == Kind::ROOT ? 2 * op.a * s.at(0, op.to + 1) + op.b : s.at(0, op.of);
+    s.inverse(op.inverse) = 1.0 / denominator;
+  }
 };
 
 TaylorTape::TaylorTape(int inputs) : inputs_(inputs), nodes_(inputs) {}
 
-void TaylorTape::add(Operation operation) { operations_.push_back(std::move(operation)); }
+int TaylorTape::inverseOf(Node denominator) {
+  const auto known = std::find(inverses_.begin(), inverses_.end(), denominator);
+  if (known == inverses_.end() || denominator < 0) {
+    inverses_.push_back(denominator);
+    return static_cast<int>(inverses_.size()) - 1;
+  }
+  return static_cast<int>(known - inverses_.begin());
+}
 
 TaylorTape::Node TaylorTape::sum(const std::vector<Product>& products, const std::vector<Share>& shares,
                                  double constant) {
-  add({Kind::SUM, nodes_, 0, constant, 0, products, shares});
+  operations_.push_back({Kind::SUM, nodes_, 0, -1, constant, 0, products, shares});
   return nodes_++;
 }
 
 TaylorTape::Node TaylorTape::quotient(const std::vector<Share>& numerator, double constant, Node denominator) {
-  add({Kind::QUOTIENT, nodes_, denominator, constant, 0, {}, numerator});
+  operations_.push_back({Kind::QUOTIENT, nodes_, denominator, inverseOf(denominator), constant, 0, {}, numerator});
   return nodes_++;
 }
 
 TaylorTape::Node TaylorTape::log(Node argument) {
-  add({Kind::LOG, nodes_, argument});
+  operations_.push_back({Kind::LOG, nodes_, argument, inverseOf(argument)});
   return nodes_++;
 }
 
 TaylorTape::Node TaylorTape::exponentialRoot(double a, double b, Node argument) {
-  add({Kind::ROOT, nodes_, argument, a, b});
+  operations_.push_back({Kind::ROOT, nodes_, argument, inverseOf(-1), a, b});
   nodes_ += 2;
   return nodes_ - 2;
 }
 
 void TaylorTape::result(const std::vector<Product>& products, const std::vector<Share>& shares) {
-  results_.push_back({Kind::SUM, -1, 0, 0, 0, products, shares});
+  results_.push_back({Kind::SUM, -1, 0, -1, 0, 0, products, shares});
 }
 
 void TaylorTape::start(Lanes* state, Lanes* results) const {
+  const State s(state, inverses_.size(), nodes_);
   for (const Operation& op : operations_) {
-    if (op.kind == Kind::SUM || op.kind == Kind::QUOTIENT) {
-      Run::remainder(&op, 1, 0, state, nodes_);
-    } else {
-      Run::startOne(op, state);
-    }
+    if (op.kind == Kind::LOG || op.kind == Kind::ROOT) Run::startOne(op, inputsOf(state));
+    if (op.inverse >= 0) Run::invert(op, s);
+    if (op.kind == Kind::SUM || op.kind == Kind::QUOTIENT) Run::remainder(&op, 1, 0, s);
   }
-  Run::results(results_.data(), results_.size(), 0, state, nodes_, results);
+  Run::results(results_.data(), results_.size(), 0, s, results);
 }
 
 void TaylorTape::remainder(int order, Lanes* state, Lanes* results) const {
-  for (int n = 0; n < inputs_; ++n) state[static_cast<std::ptrdiff_t>(order) * nodes_ + n] = Lanes{};
-  Run::remainder(operations_.data(), operations_.size(), order, state, nodes_);
-  Run::results(results_.data(), results_.size(), order, state, nodes_, results);
+  Lanes* inputs = inputsOf(state) + static_cast<std::ptrdiff_t>(order) * nodes_;
+  std::fill(inputs, inputs + inputs_, Lanes{});
+  const State s(state, inverses_.size(), nodes_);
+  Run::remainder(operations_.data(), operations_.size(), order, s);
+  Run::results(results_.data(), results_.size(), order, s, results);
 }
 
 void TaylorTape::complete(int order, Lanes* state, Lanes* change) const {
-  Run::complete(operations_.data(), operations_.size(), order, state, nodes_, change);
+  Run::complete(operations_.data(), operations_.size(), order, State(state, inverses_.size(), nodes_), nodes_, change);
 }
 
 }  // namespace snapwing::elasticity

@@ -122,7 +122,7 @@ void SolidSeries<D>::addBatches(const std::vector<int>& cells) {
   const std::vector<Term>& terms = solid_.terms(kind);
   std::size_t room = 0;
   for (const Term& term : terms) {
-    room += static_cast<std::size_t>(solid_.rule(term.rule).size()) * (order_ + 1) * tapes_[term.model].nodes();
+    room += static_cast<std::size_t>(solid_.rule(term.rule).size()) * tapes_[term.model].room(order_);
   }
   for (std::size_t first = 0; first < cells.size(); first += LANES) {
     Batch batch{kind, {}, static_cast<int>(std::min<std::size_t>(LANES, cells.size() - first)), size_, {}, {}};
@@ -169,8 +169,8 @@ void SolidSeries<D>::start(const Eigen::VectorXd& u) {
     for (std::size_t t = 0; t < terms.size(); ++t) {
       const TaylorTape& tape = tapes_[terms[t].model];
       const QuadratureRule<D>& rule = solid_.rule(terms[t].rule);
-      for (int p = 0; p < rule.size(); ++p, state += static_cast<std::ptrdiff_t>(order_ + 1) * tape.nodes()) {
-        gradient<D>(solid_.stencil(), rule.slopeOf(p), batch.mix[t], 1, scratch.moved.data(), state);
+      for (int p = 0; p < rule.size(); ++p, state += tape.room(order_)) {
+        gradient<D>(solid_.stencil(), rule.slopeOf(p), batch.mix[t], 1, scratch.moved.data(), tape.inputsOf(state));
         tape.start(state, scratch.stress.data());
       }
     }
@@ -190,7 +190,7 @@ void SolidSeries<D>::advance(int k, const Eigen::VectorXd& u, Eigen::VectorXd& f
     for (std::size_t t = 0; t < terms.size(); ++t) {
       const TaylorTape& tape = tapes_[terms[t].model];
       const QuadratureRule<D>& rule = solid_.rule(terms[t].rule);
-      for (int p = 0; p < rule.size(); ++p, state += static_cast<std::ptrdiff_t>(order_ + 1) * tape.nodes()) {
+      for (int p = 0; p < rule.size(); ++p, state += tape.room(order_)) {
         gradient<D>(solid_.stencil(), rule.slopeOf(p), batch.mix[t], 0, scratch.moved.data(), scratch.change.data());
         if (k == 1) tape.remainder(1, state, scratch.stress.data());  // zeros, and what depends on no argument
         tape.complete(k, state, scratch.change.data());

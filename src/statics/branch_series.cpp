@@ -47,9 +47,12 @@ bool BranchSeries::hopeless(int count) const {
   return !((count == 5 ? 0.5 : 0.65) * std::pow(decay, 1.0 / (count - 1)) > 1);
 }
 
-/// Gram and Schmidt, twice: z_i = sum_j shares(i, j) q_j.
+/// Gram and Schmidt, twice: z_i = sum_j shares(i, j) q_j. Some hundreds of the coordinates, spread over all, tell
+/// twenty vectors apart as well as all do.
 void BranchSeries::orthonormalise() {
-  Eigen::MatrixXd q = coefficients_;
+  constexpr Eigen::Index ENOUGH = 512;
+  const Eigen::Index every = std::max<Eigen::Index>(coefficients_.rows() / ENOUGH, 1);
+  Eigen::MatrixXd q = coefficients_(Eigen::seq(0, Eigen::last, every), Eigen::all);
   shares_ = Eigen::MatrixXd::Zero(ORDER, ORDER);
   for (int i = 0; i < ORDER; ++i) {
     for (int pass = 0; pass < 2; ++pass) {
@@ -131,16 +134,21 @@ void BranchSeries::shorten(double excess) {
   reach_ *= std::pow(excess, -1.0 / ORDER);
 }
 
-Eigen::VectorXd BranchSeries::at(double p) const {
+void BranchSeries::at(double p, Eigen::VectorXd& z, Eigen::VectorXd& slope) const {
+  constexpr Eigen::Index BLOCK = 512;  // rows: both results stay near while the coefficients pass once
   Eigen::VectorXd of_z, of_slope;
   weights(best_, (p - begin_) / unit_, of_z, of_slope);
-  return start_ + coefficients_ * of_z;
-}
-
-Eigen::VectorXd BranchSeries::slopeAt(double p) const {
-  Eigen::VectorXd of_z, of_slope;
-  weights(best_, (p - begin_) / unit_, of_z, of_slope);
-  return coefficients_ * of_slope / unit_;
+  of_slope /= unit_;
+  z = start_;
+  slope = Eigen::VectorXd::Zero(start_.size());
+  for (Eigen::Index row = 0; row < start_.size(); row += BLOCK) {
+    const Eigen::Index count = std::min(BLOCK, start_.size() - row);
+    for (int k = 0; k < ORDER; ++k) {
+      const auto part = coefficients_.col(k).segment(row, count);
+      z.segment(row, count) += of_z(k) * part;
+      slope.segment(row, count) += of_slope(k) * part;
+    }
+  }
 }
 
 }  // namespace snapwing::statics

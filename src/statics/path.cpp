@@ -111,7 +111,7 @@ bool PathFollower::settle(solver::Equilibrium& next, solver::NewtonResult& resul
     result_.factorizations += 1;
     return on_series_ = true;
   }
-  on_series_ = settled_ = solver_.settle(series_->slopeAt(p), next);
+  on_series_ = settled_ = solver_.settle(series_slope_, next);
   return settled_;
 }
 
@@ -122,11 +122,12 @@ void PathFollower::lookAhead(const std::vector<double>& targets, std::size_t nex
   std::size_t there = next;
   while (there + 1 < targets.size() && there + 1 < next + FACTOR_EVERY && series_->covers(targets[there + 1])) ++there;
   if (there == next) return;
-  ahead_ = solver_.start(series_->at(targets[there]), targets[there]);
-  solver_.evaluate(ahead_);
-  if (solver_.imbalance(ahead_) > 1) return;
-  solver_.linearise(ahead_);
+  ahead_ = solver_.start({}, targets[there]);
+  series_->at(targets[there], ahead_.z, series_slope_);
+  if (!solver_.settle(series_slope_, ahead_)) return;
+  ahead_.negative_pivots = solver_.inertia(ahead_);
   ahead_is_stable_ = factor_is_ahead_ = ahead_.negative_pivots == 0;
+  ahead_is_last_ = there + 1 == targets.size() || !series_->covers(targets[there + 1]);
 }
 
 /// The guess, made of this path's own points, must come to the known one by a hundredth of the step: another branch is
@@ -149,7 +150,7 @@ bool PathFollower::takeKnown(solver::Equilibrium& next) {
 /// step with its factor, or with the one of its guess, takes it away, for what follows and for the record.
 void PathFollower::refine(bool has_factor) {
   refined_ = place_.z;
-  if (settled_) return;  // nothing begins here
+  if (settled_ || (on_series_ && !ahead_is_last_)) return;  // nothing begins here
   if (on_series_) has_factor = factor_is_ahead_;
   if (has_factor && solver_.constraintCount() == 0 && place_.negative_pivots == 0) {
     refined_ -= solver_.cholesky().solve(place_.at.residual);
@@ -165,7 +166,11 @@ bool PathFollower::stepTo(double target, solver::NewtonResult& last) {
     share = std::min(share, 1 - done);
     const double p = done + share >= 1 ? target : begin + (done + share) * whole;
     solver::Equilibrium next = solver_.predict(place_, p);
-    next.z = series_ && series_->covers(p) ? series_->at(p) : predictor_.guess(p);
+    if (series_ && series_->covers(p)) {
+      series_->at(p, next.z, series_slope_);
+    } else {
+      next.z = predictor_.guess(p);
+    }
     last = arrive(next);
     if (last.converged() && settings_.refuse_jumps && jumped(next)) {
       last.status = solver::SolveStatus::JUMPED;
@@ -256,7 +261,8 @@ void PathFollower::expand(const std::vector<double>& targets, std::size_t next) 
   auto series = std::make_unique<BranchSeries>(*forces_, solver_, place_, targets[least]);
   for (std::size_t last = least; series->covers(targets[last]); last = least) {
     while (last + 1 < targets.size() && series->covers(targets[last + 1])) ++last;
-    solver::Equilibrium end = solver_.start(series->at(targets[last]), targets[last]);
+    solver::Equilibrium end = solver_.start({}, targets[last]);
+    series->at(targets[last], end.z, series_slope_);
     solver_.evaluate(end, solver::Order::STRESS);
     const double excess = solver_.imbalance(end);
     if (excess <= SERIES_RESIDUAL) {

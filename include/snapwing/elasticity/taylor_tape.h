@@ -7,6 +7,7 @@
 /// order k are not known before the function's are (a series of equilibria), they come in two parts: remainder(), with
 /// x_k = 0, and complete(), which adds what x_k changes.
 
+#include <cstddef>
 #include <vector>
 
 #include "snapwing/elasticity/point_lanes.h"
@@ -42,10 +43,14 @@ class TaylorTape {
   int inputs() const { return inputs_; }
   int results() const { return static_cast<int>(results_.size()); }
   int nodes() const { return nodes_; }  ///< numbers that each order of a point has
+  /// Numbers of a point's state up to an order: inverses of denominators, then [order][node].
+  std::size_t room(int order) const { return inverses_.size() + static_cast<std::size_t>(order + 1) * nodes_; }
+  /// Where a state has its inputs of order 0.
+  Lanes* inputsOf(Lanes* state) const { return state + inverses_.size(); }
   bool empty() const { return results_.empty(); }
 
   /// Values of order 0 of all nodes, and the results.
-  /// @param state  [order][node], its inputs given
+  /// @param state  of room() numbers, its inputs given
   void start(Lanes* state, Lanes* results) const;
   /// Coefficients of an order >= 1 with zero inputs; lower ones are complete.
   void remainder(int order, Lanes* state, Lanes* results) const;
@@ -58,14 +63,16 @@ class TaylorTape {
     Kind kind;
     Node to;                             ///< a root is followed by its exponential
     Node of = 0;                         ///< argument, or denominator
+    int inverse = -1;                    ///< place of 1 / denominator
     double a = 0, b = 0;                 ///< of a root; a: constant of a sum or numerator
     std::vector<Product> products = {};  ///< of a sum
     std::vector<Share> shares = {};      ///< of a sum or numerator
   };
   struct Run;
-  void add(Operation operation);
+  int inverseOf(Node denominator);
 
   int inputs_, nodes_;
+  std::vector<Node> inverses_;  ///< denominators; -1: of a root
   std::vector<Operation> operations_, results_;
 };
 

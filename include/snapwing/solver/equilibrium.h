@@ -67,6 +67,8 @@ class EquilibriumSolver {
   /// Factorises the tangent at a converged point: inertia of the pivots and derivatives along the branch.
   /// @return number of factorisations
   int linearise(Equilibrium& x);
+  /// Factorises the tangent of an evaluated point for the inertia of its pivots alone; -1: singular to rounding.
+  int inertia(const Equilibrium& x) { return system_.factorize(x.at); }
   /// Linearises and discards the history: a run resumed here has the same bits (restart point).
   int restart(Equilibrium& x);
   /// Discards the factor as well: the next solve is that of a new object.

@@ -24,8 +24,8 @@ class BranchSeries {
   /// Takes back the reach, where more is asked of its end than agreement: an error e there times what it should be.
   void shorten(double excess);
   double reach() const { return begin_ + reach_ * unit_; }
-  Eigen::VectorXd at(double p) const;       ///< z [m], (free x 1)
-  Eigen::VectorXd slopeAt(double p) const;  ///< dz/dp
+  /// @param p  covered; @param z  [m], (free x 1); @param slope  dz/dp
+  void at(double p, Eigen::VectorXd& z, Eigen::VectorXd& slope) const;
 
   static int order();  ///< of the series
 

@@ -115,6 +115,8 @@ class PathFollower {
   solver::Equilibrium ahead_;                       ///< on series_, linearised and stable; only where ahead_is_stable_
   bool ahead_is_stable_ = false;
   bool factor_is_ahead_ = false;  ///< the solver's, of ahead_ or of the place that it became
+  bool ahead_is_last_ = false;    ///< of the targets that series_ covers
+  Eigen::VectorXd series_slope_;  ///< dz/dp of series_ where it was asked last
   bool on_series_ = false;        ///< the place
   bool settled_ = false;          ///< and without a factor of its own
   int since_restart_ = 0;         ///< targets
