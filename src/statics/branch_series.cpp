@@ -32,8 +32,8 @@ BranchSeries::BranchSeries(solver::ResidualSeries& forces, const solver::Equilib
     if (hopeless(k + 1)) return;
   }
   orthonormalise();
-  best_ = approximant(ORDER);
-  below_ = approximant(ORDER - 1);
+  best_ = denominator(ORDER);
+  below_ = denominator(ORDER - 1);
   findReach();
 }
 
@@ -68,22 +68,20 @@ void BranchSeries::orthonormalise() {
 }
 
 /// The denominator that makes the last coefficients vanish along the orthonormal vectors.
-BranchSeries::Approximant BranchSeries::approximant(int order) const {
-  Approximant result;
-  std::vector<double>& d = result.denominator;
-  d.assign(order, 0.0);
+BranchSeries::Denominator BranchSeries::denominator(int order) const {
+  Denominator d(order, 0.0);
   d[0] = 1;
   for (int i = 1; i < order; ++i) {
     double sum = 0;
     for (int j = 0; j < i; ++j) sum += d[j] * shares_(order - 1 - j, order - 1 - i);
     d[i] = -sum / shares_(order - 1 - i, order - 1 - i);
   }
-  return result;
+  return d;
 }
 
+/// z - z_0 = sum_i r_i(t) z_i with r_i = t^i q_(n - 1 - i)(t) / q_(n - 1)(t), q_m the first m + 1 terms of q.
 /// @return false near a pole
-bool BranchSeries::weights(const Approximant& by, double t, Eigen::VectorXd& of_z, Eigen::VectorXd& of_slope) const {
-  const std::vector<double>& d = by.denominator;
+bool BranchSeries::weights(const Denominator& d, double t, Eigen::VectorXd& of_z, Eigen::VectorXd& of_slope) const {
   const int n = static_cast<int>(d.size());
   std::vector<double> q(n), dq(n);  // q_m(t) and its derivative
   double power = 1, lower = 0;

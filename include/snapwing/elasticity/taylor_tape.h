@@ -40,7 +40,6 @@ class TaylorTape {
   /// A result of the function: a sum whose lower coefficients nothing asks for.
   void result(const std::vector<Product>& products, const std::vector<Share>& shares);
 
-  int inputs() const { return inputs_; }
   int results() const { return static_cast<int>(results_.size()); }
   int nodes() const { return nodes_; }  ///< numbers that each order of a point has
   /// Numbers of a point's state up to an order: inverses of denominators, then [order][node].

@@ -23,20 +23,16 @@ class BranchSeries {
   bool covers(double p) const;
   /// Takes back the reach, where more is asked of its end than agreement: an error e there times what it should be.
   void shorten(double excess);
-  double reach() const { return begin_ + reach_ * unit_; }
   /// @param p  covered; @param z  [m], (free x 1); @param slope  dz/dp
   void at(double p, Eigen::VectorXd& z, Eigen::VectorXd& slope) const;
 
   static int order();  ///< of the series
 
  private:
-  /// sum_i r_i(t) z_i with r_i = t^i q_(n - 1 - i)(t) / q_(n - 1)(t), q_m the first m + 1 terms of the denominator.
-  struct Approximant {
-    std::vector<double> denominator;  ///< coefficients of q
-  };
+  using Denominator = std::vector<double>;  ///< q of an approximant: coefficients of 1, t, t^2 ..
   bool hopeless(int count) const;
-  Approximant approximant(int order) const;
-  bool weights(const Approximant& by, double t, Eigen::VectorXd& of_z, Eigen::VectorXd& of_slope) const;
+  Denominator denominator(int order) const;
+  bool weights(const Denominator& d, double t, Eigen::VectorXd& of_z, Eigen::VectorXd& of_slope) const;
   void orthonormalise();
   void findReach();
 
@@ -44,7 +40,7 @@ class BranchSeries {
   Eigen::VectorXd start_;         ///< z_0
   Eigen::MatrixXd coefficients_;  ///< z_1, z_2 .. in columns
   Eigen::MatrixXd shares_;        ///< of orthonormal vectors in each, lower triangle
-  Approximant best_, below_;
+  Denominator best_, below_;      ///< of the order and of one less
 };
 
 }  // namespace snapwing::statics
