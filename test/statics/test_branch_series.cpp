@@ -89,7 +89,8 @@ TEST(BranchSeries, WhatItCallsStableIs) {
   }
 }
 
-/// The perfect beam's own branch is smooth where it turns unstable: the series does not see it, the factors do.
+/// The perfect beam's own branch is smooth where it turns unstable. The series ends just before, since rounding has a
+/// share of the mode; what is told beyond comes of factors.
 TEST(BranchSeries, DoesNotPassABifurcationUnseen) {
   scene::Scene scene = beam(scene::SceneKernel::QUADRATIC, 8e-4, 60);
   scene::Box half;
