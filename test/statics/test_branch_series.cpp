@@ -131,6 +131,93 @@ TEST(BranchSeries, AResumedRunHasTheSameBits) {
   }
 }
 
+/// Pi = sum_i (x_i^2/2 + a_i x_i^3/3 - p x_i) + (1 - x_0) y^2/2 + y^4/4: the branch y = 0, x_i + a_i x_i^2 = p turns
+/// unstable at x_0 = 1, p = 1 + a_0, and its series knows nothing of y.
+class Pitchforks : public solver::Problem {
+ public:
+  static constexpr int COUNT = 24;  // more than a series has orders
+  static double a(int i) { return 0.1 + 0.02 * i; }
+  Pitchforks() {
+    pattern_.size = COUNT + 1;
+    pattern_.start = {0};
+    for (int i = 0; i <= COUNT; ++i) {
+      pattern_.row.push_back(i);
+      if (i == 0) pattern_.row.push_back(COUNT);
+      pattern_.start.push_back(static_cast<int>(pattern_.row.size()));
+    }
+  }
+  int freeCount() const override { return COUNT + 1; }
+  int controlCount() const override { return 1; }
+  const solver::SparsePattern& pattern() const override { return pattern_; }
+  double forceFloor() const override { return 1e-14; }
+  std::string describeCell(int) const override { return "point"; }
+  void evaluate(const Eigen::VectorXd& z, const Eigen::VectorXd& p, solver::Order,
+                solver::Evaluation& out) const override {
+    const double y = z(COUNT);
+    out.elastic_energy = 0.5 * (1 - z(0)) * y * y + 0.25 * y * y * y * y;
+    out.residual.resize(COUNT + 1);
+    out.hessian.clear();
+    for (int i = 0; i < COUNT; ++i) {
+      out.elastic_energy += z(i) * z(i) * (0.5 + a(i) * z(i) / 3);
+      out.residual(i) = z(i) + a(i) * z(i) * z(i) - p(0) - (i == 0 ? 0.5 * y * y : 0);
+      out.hessian.push_back(1 + 2 * a(i) * z(i));
+      if (i == 0) out.hessian.push_back(-y);
+    }
+    out.residual(COUNT) = (1 - z(0)) * y + y * y * y;
+    out.hessian.push_back(1 - z(0) + 3 * y * y);
+    out.energy = out.elastic_energy - p(0) * z.head(COUNT).sum();
+    out.control_force = Eigen::VectorXd::Constant(1, -z.head(COUNT).sum());
+    out.force_scale = 1;
+    out.finite = true;
+  }
+  void controlTangent(const solver::Evaluation&, const Eigen::VectorXd& dp, Eigen::VectorXd& free_part,
+                      Eigen::VectorXd& control_part) const override {
+    free_part = Eigen::VectorXd::Constant(COUNT + 1, -dp(0));
+    free_part(COUNT) = 0;
+    control_part = Eigen::VectorXd::Zero(1);
+  }
+  std::unique_ptr<solver::ResidualSeries> series(int, std::string&) const override { return std::make_unique<Along>(); }
+
+ private:
+  class Along : public solver::ResidualSeries {
+   public:
+    void start(const Eigen::VectorXd& z, const Eigen::VectorXd&) override { z_ = {z}; }
+    Eigen::VectorXd advance(int k, const Eigen::VectorXd& z, const Eigen::VectorXd&) override {
+      z_.push_back(z);
+      Eigen::VectorXd sum = Eigen::VectorXd::Zero(z.size());
+      for (int n = 1; n <= k; ++n) {
+        for (int i = 0; i < COUNT; ++i) sum(i) += a(i) * z_[n](i) * z_[k + 1 - n](i);
+      }
+      return sum;
+    }
+
+   private:
+    std::vector<Eigen::VectorXd> z_;
+  };
+  solver::SparsePattern pattern_;
+};
+
+TEST(BranchSeries, FactorsTellWhatASeriesDoesNot) {
+  const Pitchforks problem;
+  PathSettings settings;
+  settings.series = true;
+  settings.locate_singular = false;
+  std::vector<double> targets;
+  for (int k = 0; k <= 80; ++k) targets.push_back(0.02 * k);
+  const PathResult path = PathFollower(problem, settings).follow(Eigen::VectorXd::Zero(problem.freeCount()), targets);
+  ASSERT_EQ(path.status, solver::SolveStatus::CONVERGED) << path.message;
+  EXPECT_GT(count(path, &PathPoint::by_series), 10);
+  int unstable = 0;
+  for (const PathPoint& p : path.points) {
+    const double x = p.solution(0);
+    ASSERT_EQ(p.solution(Pitchforks::COUNT), 0);
+    EXPECT_NEAR(x + Pitchforks::a(0) * x * x, p.control, 1e-9);
+    EXPECT_EQ(p.negative_pivots, x > 1 ? 1 : 0) << p.control;
+    unstable += p.negative_pivots;
+  }
+  EXPECT_GT(unstable, 10);
+}
+
 /// Few targets within its reach: not worth one.
 TEST(BranchSeries, ServesOnlyWhereItPays) {
   EXPECT_EQ(follow(beam(scene::SceneKernel::LINEAR_REDUCED, 8e-4, 14), true).series, 0);
